@@ -15,6 +15,7 @@
 #include <string_view>
 #include <utility>
 
+#include "bridges/support/data_folder.hpp"
 #include "bridges/support/log.hpp"
 #include "bridges/support/program.hpp"
 #include "camera/frames/frame_writer.hpp"
@@ -42,11 +43,8 @@ struct CommandLine {
   std::uint64_t pictures = 0;  // 0: not given
 };
 
-// Where the profiles are: installed, or beside the sources of a build tree.
 std::filesystem::path profile_folder() {
-  const std::filesystem::path installed = SLIPD_PROFILE_FOLDER;
-  std::error_code ignored;
-  return std::filesystem::is_directory(installed, ignored) ? installed : SLIPD_SOURCE_PROFILES;
+  return bridges::data_folder("cameras", SLIPD_INSTALLED_PROFILES);
 }
 
 std::unique_ptr<PictureSource> source_of(const CommandLine& line, const Profile& profile) {
@@ -134,7 +132,7 @@ int main(int argc, char** argv) {
   });
   try {
     return serves ? serve(argc, argv) : read(argc, argv);
-  } catch (const std::exception& error) {
+  } catch (const std::exception& error) {  // there was no memory to say what was wrong
     std::cerr << "slipd-camera: " << error.what() << '\n';
     return kFailed;
   }

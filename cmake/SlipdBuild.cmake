@@ -93,6 +93,18 @@ function(slipd_bridge name)
     COMPONENT bridge_${name})
 endfunction()
 
+# slipd_profiles(target folder component source): the files *.json of the folder `source` are installed in SLIPD_INSTALLED_PROFILES, which `target`
+# knows, share/slipd/<folder>; a build tree has them in <folder> beside bin, as an installation does, and needs no source tree beside it.
+function(slipd_profiles target folder component source)
+  target_compile_definitions(${target} PRIVATE SLIPD_INSTALLED_PROFILES="${CMAKE_INSTALL_FULL_DATAROOTDIR}/slipd/${folder}")
+  file(GLOB profiles CONFIGURE_DEPENDS ${source}/*.json)
+  foreach(profile ${profiles})
+    cmake_path(GET profile FILENAME file)
+    configure_file(${profile} ${PROJECT_BINARY_DIR}/${folder}/${file} COPYONLY)
+  endforeach()
+  install(FILES ${profiles} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd/${folder} COMPONENT ${component})
+endfunction()
+
 # slipd_embed(target symbol file): the file's bytes as `extern const std::string_view symbol` in namespace slipd,
 # declared in generated/embedded/<symbol>.hpp.
 function(slipd_embed target symbol file)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bridges/support/data_folder.hpp"
 #include "bridges/support/settings_file.hpp"
 #include "embedded/slipd_gripper_profile_schema.hpp"
 
@@ -95,7 +96,7 @@ GripperProfile load_profile(const std::string& name_or_path) {
   const bool is_path = name_or_path.find('/') != std::string::npos;
   const std::filesystem::path file =
       is_path ? std::filesystem::path(name_or_path)
-              : std::filesystem::path(SLIPD_GRIPPER_PROFILES) / (name_or_path + ".json");
+              : bridges::data_folder("grippers", SLIPD_INSTALLED_PROFILES) / (name_or_path + ".json");
   try {
     return GripperProfile(bridges::load_settings(file, slipd_gripper_profile_schema));
   } catch (const SettingsError& error) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/support/data_folder.hpp"
 #include "bridges/support/settings_file.hpp"
 #include "embedded/slipd_feed_message_schema.hpp"
 
@@ -82,12 +83,7 @@ std::vector<Problem> further(const json& in) {
 }
 
 std::vector<fs::path> folders() {
-  std::vector<fs::path> found{"/etc/slipd/feeds"};
-  std::error_code unknown;
-  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-  if (!program.empty()) found.push_back(program.parent_path().parent_path() / "feeds");
-  found.emplace_back(SLIPD_INSTALLED_FEEDS);
-  return found;
+  return {"/etc/slipd/feeds", bridges::data_folder("feeds", SLIPD_INSTALLED_PROFILES)};
 }
 
 Profile converted(const json& in, const Instance& instance) {

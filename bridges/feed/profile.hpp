@@ -65,7 +65,7 @@ struct Profile {
   std::optional<Place> time;      // of the sender's clock
   double time_unit_s = 1;
   std::optional<Ready> ready;
-  slipd_frames frames{};  // what slipd is told; 0 taxels: the settings say it
+  slipd_frames frames{};  // of the hello to slipd; 0 taxels: the settings give the number
 };
 
 // What of the settings changes a profile.
@@ -77,8 +77,8 @@ struct Instance {
 // Throws SettingsError, one line for each error.
 Profile parse_profile(const std::string& text, const std::string& name, const Instance& instance);
 
-// Reads the file `name`, if it has a slash. Else reads NAME.json from /etc/slipd/feeds, else from the folder
-// `feeds` beside that of this program (a build tree), else from the installed data. Throws SettingsError.
+// Reads the file `name`, if it has a slash. Else reads NAME.json from /etc/slipd/feeds, else from the shipped
+// profiles. Throws SettingsError.
 Profile find_profile(const std::string& name, const Instance& instance);
 
 }  // namespace slipd::feed
