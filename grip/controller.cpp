@@ -32,6 +32,10 @@ std::optional<bool> contact_of(const slipd_estimate& now) {
   }
 }
 
+bool slides(const slipd_estimate& now) {
+  return now.sliding == SLIPD_SLIDING_TRANSLATION || now.sliding == SLIPD_SLIDING_ROTATION;
+}
+
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
@@ -110,7 +114,7 @@ bool Controller::finger_slips() const {
   return std::ranges::any_of(settings_.fingers, [this](const std::string& finger) {
     slipd_estimate one{};
     slipd_latest(slipd_.get(), finger.c_str(), settings_.max_age_s, &one);
-    return one.sliding == SLIPD_SLIDING_TRANSLATION || one.sliding == SLIPD_SLIDING_ROTATION;
+    return slides(one);
   });
 }
 
@@ -120,15 +124,13 @@ Reading Controller::reading_of(const slipd_estimate& now) const {
   reading.bounded = std::isfinite(now.gamma_low) && now.alert != SLIPD_ALERT_UNKNOWN &&
                     (now.state == SLIPD_STATE_OK || now.state == SLIPD_STATE_LEARNING);
   reading.contact = contact_of(now);
-  reading.slips = now.alert == SLIPD_ALERT_SLIP || now.sliding == SLIPD_SLIDING_TRANSLATION ||
-                  now.sliding == SLIPD_SLIDING_ROTATION || finger_slips();
+  reading.slips = now.alert == SLIPD_ALERT_SLIP || slides(now) || finger_slips();
   reading.gamma = now.gamma;
   reading.gamma_low = now.gamma_low;
   reading.sigma = now.sigma;
   reading.normal_n = now.normal_n;
   reading.increase_n = now.grip_increase_n;
   reading.time_to_slip_s = now.time_to_slip_s;
-  reading.sequence = now.sequence;
   return reading;
 }
 

@@ -61,10 +61,9 @@ struct Reading {
   // An alert of slip, or a slide.
   bool slips = false;
   double gamma = 0, gamma_low = 0, sigma = 0;
-  double normal_n = 0;         // of all fingers
-  double increase_n = 0;       // advice, of all fingers
-  double time_to_slip_s = 0;   // forecast
-  std::uint64_t sequence = 0;  // of the estimate
+  double normal_n = 0;        // of all fingers
+  double increase_n = 0;      // advice, of all fingers
+  double time_to_slip_s = 0;  // forecast
 };
 
 enum class Wish : std::uint8_t { none, open, close };

@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "grip/gripper.hpp"
+#include "grip/unix_address.hpp"
 
 namespace slipd::grip {
 namespace {
@@ -84,12 +84,10 @@ class LineGripper final : public Gripper {
   }
 
   void connect_socket() {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    if (socket_path_.size() >= sizeof address.sun_path) fail("has a path that is too long for a socket");
-    socket_path_.copy(address.sun_path, sizeof address.sun_path - 1);
+    const auto address = unix_address(socket_path_);
+    if (!address) fail("has a path that is too long for a socket");
     fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)
       fail("cannot be reached: " + why(errno) + "; start the program that listens there");
   }
 

@@ -4,13 +4,14 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <stdexcept>
 #include <system_error>
+
+#include "grip/unix_address.hpp"
 
 namespace slipd::grip {
 namespace {
@@ -27,11 +28,9 @@ constexpr mode_t kMode = 0660;
 }
 
 sockaddr_un address_of(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) fail(path, "is too long for a socket: 107 bytes at most");
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  return address;
+  const auto address = unix_address(path);
+  if (!address) fail(path, "is too long for a socket: 107 bytes at most");
+  return *address;
 }
 
 // -1 with errno.

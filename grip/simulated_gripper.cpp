@@ -1,7 +1,6 @@
 // The fingers of slipd's driver sim: each sensor's grip_input takes the normal force as a datagram of text.
 // And a gripper of nothing, which says in the journal what it would do.
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +10,7 @@
 
 #include "bridges/support/log.hpp"
 #include "grip/gripper.hpp"
+#include "grip/unix_address.hpp"
 
 namespace slipd::grip {
 namespace {
@@ -38,11 +38,10 @@ class SimulatedGripper final : public Gripper {
 
  private:
   void send(const std::string& input, std::string_view text) const {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    input.copy(address.sun_path, sizeof address.sun_path - 1);
-    if (::sendto(fd_, text.data(), text.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address),
-                 sizeof address) < 0)
+    const auto address = unix_address(input);
+    if (!address) throw GripperError("the path " + input + " is too long for a socket");
+    if (::sendto(fd_, text.data(), text.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&*address),
+                 sizeof *address) < 0)
       throw GripperError("the simulated finger at " + input +
                          " takes no force: " + std::generic_category().message(errno) +
                          "; slipd's sensor needs this path as its option grip_input");

@@ -1,4 +1,4 @@
-// slipd-feed itself: a lane for each sensor, the sources that they read, and what people are told. Sources
+// slipd-feed itself: a lane for each sensor, the sources that they read, and the log. Sources
 // run in a thread of their own, frames go to slipd in one for each sensor, and the loop's thread tells.
 #pragma once
 

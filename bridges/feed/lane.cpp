@@ -75,8 +75,6 @@ void Lane::flush() {
   if (!pending_) return;
   writer_.put(std::move(*pending_));
   pending_.reset();
-  const std::lock_guard lock(mutex_);
-  ++account_.frames;
 }
 
 void Lane::refuse(const char* why) {

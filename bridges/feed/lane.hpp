@@ -21,7 +21,6 @@ namespace slipd::feed {
 // Of messages, since the start.
 struct Account {
   std::uint64_t messages = 0;   // all that came
-  std::uint64_t frames = 0;     // handed to the writer
   std::uint64_t other = 0;      // of another kind or sensor
   std::uint64_t corrupt = 0;    // damaged, wrong size, not finite
   std::uint64_t repeated = 0;   // whose sequence does not rise

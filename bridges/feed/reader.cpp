@@ -123,13 +123,12 @@ bool Reader::numbers_at(const Place& place, const json& document, Bytes body, st
 
 bool Reader::number_at(const Place& place, const json& document, Bytes body, double& out) {
   std::vector<double> one;
-  Bytes bytes = body;
   if (place.offset) {  // what is behind it is no matter
     if (body.size() < *place.offset + place.type.bytes) return false;
     out = wire::read_number(body.data() + *place.offset, place.type);
     return std::isfinite(out);
   }
-  if (!numbers_at(place, document, bytes, 1, one)) return false;
+  if (!numbers_at(place, document, body, 1, one)) return false;
   out = one.front();
   return std::isfinite(out);
 }

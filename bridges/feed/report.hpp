@@ -1,4 +1,4 @@
-// What people are told of a sensor's messages. Any thread.
+// Log lines on a sensor's messages. Any thread.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // Log lines of a bridge, for the journal: `<N>text` on stderr, N as in sd-daemon(3). On a terminal without
-// the prefix. One thread's own.
+// the prefix. Any thread; the level is set before there are several.
 #pragma once
 
 #include <string_view>

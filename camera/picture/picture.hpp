@@ -1,4 +1,4 @@
-// One picture of a camera, as brightness. The thread that reads pictures makes it; whoever took it owns it.
+// A picture of a camera, as brightness. Plain values; one thread at a time.
 #pragma once
 
 #include <cstdint>

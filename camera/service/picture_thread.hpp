@@ -20,7 +20,7 @@ class PictureThread {
   // Opens the camera; throws std::runtime_error. Called in the picture thread.
   using Open = std::function<std::unique_ptr<PictureSource>()>;
 
-  // What the loop is told.
+  // For the loop.
   struct News {
     std::optional<Picture> picture;
     // Why there are no pictures; once for each time that they end. Empty: they come.

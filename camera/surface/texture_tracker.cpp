@@ -21,7 +21,8 @@ constexpr double kLeastTexture = 1e-4;
 bool TextureTracker::rest(const cv::Mat& picture) {
   spacing_ = static_cast<double>(std::max(picture.cols, picture.rows)) / options_.patches;
   const int side = std::max(5, static_cast<int>(std::lround(options_.side * spacing_)) | 1);
-  cv::buildOpticalFlowPyramid(picture, rest_, {side, side}, kLevels);
+  window_ = {side, side};
+  cv::buildOpticalFlowPyramid(picture, rest_, window_, kLevels);
   rest_places_.clear();
   points_.clear();
   for (int row = 0; (row + 0.5) * spacing_ < picture.rows; ++row) {
@@ -36,13 +37,12 @@ bool TextureTracker::rest(const cv::Mat& picture) {
 }
 
 const std::vector<SurfacePoint>& TextureTracker::follow(const cv::Mat& picture) {
-  const int side = std::max(5, static_cast<int>(std::lround(options_.side * spacing_)) | 1);
-  cv::buildOpticalFlowPyramid(picture, now_, {side, side}, kLevels);
+  cv::buildOpticalFlowPyramid(picture, now_, window_, kLevels);
   std::vector<std::uint8_t> found;
   std::vector<float> differences;
   for (std::size_t i = 0; i < points_.size(); ++i) now_places_[i] = points_[i].now;
   cv::calcOpticalFlowPyrLK(
-      rest_, now_, rest_places_, now_places_, found, differences, {side, side}, kLevels,
+      rest_, now_, rest_places_, now_places_, found, differences, window_, kLevels,
       cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMostSteps, kFine),
       cv::OPTFLOW_USE_INITIAL_FLOW, kLeastTexture);
   const cv::Rect2f inside({}, cv::Size2f(picture.size()));

@@ -34,6 +34,7 @@ class TextureTracker final : public SurfaceTracker {
  private:
   TextureTrackerOptions options_;
   double spacing_ = 0;
+  cv::Size window_;                  // of a patch, px
   std::vector<cv::Mat> rest_, now_;  // pyramids
   std::vector<cv::Point2f> rest_places_, now_places_;
   std::vector<SurfacePoint> points_;

@@ -16,10 +16,10 @@ bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-bool EquivalentPull::changes_shear(const ContactPatch& patch, bool bent) const noexcept {
-  const double share = (bent ? options_.kept_share : 1) * options_.changing_share;
+bool EquivalentPull::changes_shear(const ContactPatch& patch, bool changed) const noexcept {
+  const double share = (changed ? options_.kept_share : 1) * options_.changing_share;
   return std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m &&
-         (bent || std::fabs(patch.torque_nm) > options_.changing_sigmas * patch.torque_sigma_nm);
+         (changed || std::fabs(patch.torque_nm) > options_.changing_sigmas * patch.torque_sigma_nm);
 }
 
 EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, TorqueEffect previous) noexcept {

@@ -92,7 +92,7 @@ class EquivalentPull {
 
  private:
   bool clear(const ContactPatch& patch) const noexcept;
-  bool changes_shear(const ContactPatch& patch, bool bent) const noexcept;
+  bool changes_shear(const ContactPatch& patch, bool changed) const noexcept;
 };
 
 // A sensor of one force and its torque: in patch.torque_nm, and the contact's radius in patch.radius_m, if

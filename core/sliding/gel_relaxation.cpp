@@ -42,18 +42,14 @@ void GelRelaxation::set_releasing(bool releasing) noexcept {
   releasing_ = releasing;
 }
 
-std::span<float> GelRelaxation::row(std::vector<float>& of, std::size_t ago) const noexcept {
-  const std::size_t width = of.size() / kept_;
-  return std::span(of).subspan((newest_ + kept_ - ago) % kept_ * width, width);
-}
-
-std::span<const float> GelRelaxation::row(const std::vector<float>& of, std::size_t ago) const noexcept {
-  const std::size_t width = of.size() / kept_;
-  return std::span(of).subspan((newest_ + kept_ - ago) % kept_ * width, width);
+template <typename Value>
+std::span<Value> GelRelaxation::row(std::span<Value> ring, std::size_t ago) const noexcept {
+  const std::size_t width = ring.size() / kept_;
+  return ring.subspan((newest_ + kept_ - ago) % kept_ * width, width);
 }
 
 RigidMotion GelRelaxation::motion_since(std::size_t ago) const noexcept {
-  const std::span<const float> now = row(fields_, 0), then = row(fields_, ago);
+  const std::span<const float> now = row(std::span(fields_), 0), then = row(std::span(fields_), ago);
   for (std::size_t i = 0; i < now.size(); ++i) change_[i] = now[i] - then[i];
   const std::span<const float> change(change_);
   return rigid_motion(layout_, change.first(layout_.size()), change.last(layout_.size()));
@@ -76,8 +72,8 @@ void GelRelaxation::measure(const Frame& frame) noexcept {
 void GelRelaxation::take(const Frame& frame) noexcept {
   newest_ = (newest_ + 1) % kept_;
   const std::span<const float> bends = bends_.update(frame);
-  std::ranges::copy(bends, row(history_, 0).begin());
-  const std::span<float> field = row(fields_, 0);
+  std::ranges::copy(bends, row(std::span(history_), 0).begin());
+  const std::span<float> field = row(std::span(fields_), 0);
   std::ranges::copy(frame.shear_x_pa, field.begin());
   std::ranges::copy(frame.shear_y_pa, field.begin() + static_cast<std::ptrdiff_t>(layout_.size()));
   count_ = std::min(count_ + 1, kept_);
@@ -95,7 +91,7 @@ void GelRelaxation::average() noexcept {
   std::ranges::fill(now_, 0.0F);
   std::ranges::fill(past_, 0.0F);
   for (std::size_t ago = 0; ago < count_; ++ago) {
-    const std::span<const float> bends = row(history_, ago);
+    const std::span<const float> bends = row(std::span(history_), ago);
     std::vector<float>& mean = ago < now ? now_ : past_;
     const float share = 1 / static_cast<float>(ago < now ? now : past);
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * bends[i];
@@ -111,7 +107,7 @@ void GelRelaxation::average() noexcept {
 double GelRelaxation::most_now_mm(std::span<const float> from) const noexcept {
   double most = 0;
   for (std::size_t ago = 0; ago < options_.now_pictures; ++ago)
-    most = std::max(most, length_mm(row(history_, ago), from));
+    most = std::max(most, length_mm(row(std::span(history_), ago), from));
   return most;
 }
 
@@ -121,12 +117,15 @@ double GelRelaxation::weigh() const noexcept {
   return std::max(0.0, bend + options_.rest_weight * to_rest);
 }
 
+bool GelRelaxation::touches() const noexcept {
+  return length_mm(row(std::span(history_), 0), rest_) >= options_.contact_mm;
+}
+
 void GelRelaxation::judge() noexcept {
   average();
   const bool held = length_mm(past_, rest_) >= options_.contact_mm;
-  const bool touches = length_mm(row(history_, 0), rest_) >= options_.contact_mm;
-  rest_seen_ = rest_seen_ || held || touches;
-  if (rest_seen_) state_.contact = touches;
+  rest_seen_ = rest_seen_ || held || touches();
+  if (rest_seen_) state_.contact = touches();
   state_.evidence = weigh();
   if (held && state_.evidence >= options_.slides_from) {
     state_.sliding = motion_since(count_ - 1).turns() ? Sliding::rotation : Sliding::translation;
@@ -157,7 +156,7 @@ const GelState& GelRelaxation::update(const Frame& frame) noexcept {
     }
   }
   if (releasing_) {
-    if (rest_seen_) state_.contact = length_mm(row(history_, 0), rest_) >= options_.contact_mm;
+    if (rest_seen_) state_.contact = touches();
   } else if (count_ >= options_.now_pictures + options_.least_past) {
     judge();
   }

@@ -20,7 +20,8 @@ namespace slipd {
 // come from the shared trials of tools/gel-trials; its held-back objects judge them.
 struct GelRelaxationOptions {
   // Pictures that are nearer in time than this add nothing; s, 0.01 … 0.1. Too small: windows are short on
-  // fast cameras. Too large: a slip is told late. Chosen: a camera of 30 pictures a second passes.
+  // fast cameras. Too large: slips are reported late. Chosen so
+  // that each picture of a camera of 30 Hz counts.
   double least_step_s = 0.03;
   // Pictures for which the gel has to have relaxed; 2 … 25. Too small: shaking is a slip. Too large: told
   // late. By the shared trials.
@@ -79,8 +80,8 @@ class GelRelaxation {
   const GelState& update(const Frame& frame) noexcept;
 
  private:
-  std::span<float> row(std::vector<float>& of, std::size_t ago) const noexcept;
-  std::span<const float> row(const std::vector<float>& of, std::size_t ago) const noexcept;
+  template <typename Value>
+  std::span<Value> row(std::span<Value> ring, std::size_t ago) const noexcept;
   RigidMotion motion_since(std::size_t ago) const noexcept;
   void take(const Frame& frame) noexcept;
   void measure(const Frame& frame) noexcept;
@@ -88,6 +89,7 @@ class GelRelaxation {
   void average() noexcept;
   double most_now_mm(std::span<const float> from) const noexcept;
   double weigh() const noexcept;
+  bool touches() const noexcept;
   void judge() noexcept;
 
   const TaxelLayout layout_;

@@ -6,7 +6,6 @@
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,6 +20,10 @@
 #include <thread>
 #include <utility>
 
+#include "bridges/support/clock.hpp"
+#include "grip/order_socket.hpp"
+#include "grip/unix_address.hpp"
+
 namespace lab::grip {
 namespace {
 
@@ -30,10 +33,6 @@ using nlohmann::json;
 // What a program that works takes on the slowest machine.
 constexpr std::chrono::seconds kPatience{60};
 constexpr double kMostAgeMs = 10000;  // of a frame, where the machine is slow
-
-std::int64_t monotonic_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
-}
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);
@@ -91,9 +90,7 @@ Bed::Bed(const BedOptions& options) : options_(options) {
   if (::mkdtemp(name.data()) == nullptr) fail(name + ": " + std::generic_category().message(errno));
   folder_ = name;
   write_settings();
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  (folder_ / "gripper.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const auto address = slipd::grip::unix_address((folder_ / "gripper.sock").string()).value();
   listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(listener_, 4) != 0)
@@ -187,7 +184,7 @@ void Bed::restart_slipd() {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }
-  time_ns_ = monotonic_ns();
+  time_ns_ = slipd::bridges::monotonic_ns();
   frames_ = 0;
 }
 
@@ -220,7 +217,7 @@ void Bed::push_one(slipd::client::Source& source, const std::vector<float>& valu
 // slipd's limit on a frame's age stretches time.
 void Bed::advance() {
   ++frames_;
-  const auto oldest_ns = monotonic_ns() - static_cast<std::int64_t>(0.5e6 * kMostAgeMs);
+  const auto oldest_ns = slipd::bridges::monotonic_ns() - static_cast<std::int64_t>(0.5e6 * kMostAgeMs);
   time_ns_ = std::max(time_ns_ + static_cast<std::int64_t>(1e9 / options_.rate_hz), oldest_ns);
   std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(time_ns_)));
 }
@@ -292,21 +289,14 @@ slipd_estimate Bed::estimate() {
 
 void Bed::order(const std::string& word) {
   const auto until = Clock::now() + kPatience;
-  const std::string path = (folder_ / "orders.sock").string();
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
   for (;;) {
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const bool reached = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    char byte = 0;
-    const std::string line = word + "\n";
-    const bool taken =
-        reached && ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) > 0 && ::recv(fd, &byte, 1, 0) == 1;
-    ::close(fd);
-    if (taken) return;
-    if (Clock::now() > until) fail("slipd-grip takes no orders: " + grip_log());
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    try {
+      slipd::grip::ask((folder_ / "orders.sock").string(), word);
+      return;
+    } catch (const std::runtime_error&) {
+      if (Clock::now() > until) fail("slipd-grip takes no orders: " + grip_log());
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
   }
 }
 
