@@ -1,6 +1,7 @@
 // slipd-grip's command line; slipd-grip(8). The service, and what gives orders to it.
 #include <CLI/CLI.hpp>
 #include <cstring>
+#include <exception>
 #include <iostream>
 
 #include "bridges/support/program.hpp"
@@ -50,18 +51,11 @@ int give_order(int argc, char** argv) {
   app.add_option("order", order, "open, close, or status")->required();
   app.add_option("--orders", path, "Its socket for orders")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  try {
-    std::cout << ask(path, order) << "\n";
-    return 0;
-  } catch (const std::runtime_error& error) {
-    std::cerr << "slipd-grip: " << error.what() << "\n";
-    return 1;
-  }
+  std::cout << ask(path, order) << "\n";
+  return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   if (argc > 1 && is_order(argv[1])) return give_order(argc, argv);
   if (argc > 1 && std::strcmp(argv[1], "diagram") == 0) {
     std::cout << diagram();
@@ -76,4 +70,15 @@ int main(int argc, char** argv) {
                               argc, argv, [](const nlohmann::json& settings, bridges::Loop& loop) {
                                 return std::make_unique<Service>(settings_of(settings), loop);
                               });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "slipd-grip: " << error.what() << "\n";
+    return 1;
+  }
 }

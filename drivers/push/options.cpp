@@ -1,8 +1,8 @@
 #include "drivers/push/options.hpp"
 
-#include <sys/un.h>
-
 #include <nlohmann/json.hpp>
+
+#include "drivers/push/push_socket.hpp"
 
 namespace slipd::push {
 namespace {
@@ -44,10 +44,9 @@ Options parse_options(const SensorSetup& sensor) {
   options.mode = static_cast<unsigned>(std::stoul(given.value("mode", std::string("0660")), nullptr, 8));
   options.owner = given.value("owner", "");
   options.group = given.value("group", "");
-  if (options.path.native().size() >= sizeof sockaddr_un{}.sun_path) {
+  if (options.path.native().size() > kLongestPath) {
     throw DriverError(who + "the socket " + options.path.string() + " has a longer path than the " +
-                      std::to_string(sizeof sockaddr_un{}.sun_path - 1) +
-                      " bytes that a Unix socket may have: give options.path");
+                      std::to_string(kLongestPath) + " bytes that its socket may have: give options.path");
   }
   const std::size_t longest = push_layout::frame_size(sensor.layout.size(), options.axes.value_or(3));
   if (longest > push_layout::kLongestMessage) {

@@ -44,6 +44,13 @@ void make_folder(const fs::path& folder) {
                       " belongs to another user, or everybody may write to it: use a folder of slipd's own");
 }
 
+sockaddr_un address_of(const fs::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  return address;
+}
+
 // Throws unless the socket at `address` is one that nobody listens on, as a crash leaves it.
 void remove_dead_socket(const sockaddr_un& address) {
   const std::string path = address.sun_path;
@@ -97,24 +104,30 @@ PushSocket::~PushSocket() {
 }
 
 void PushSocket::listen_at(unsigned mode, const std::string& owner, const std::string& group) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path_.native().copy(address.sun_path, sizeof address.sun_path - 1);
-  remove_dead_socket(address);
+  remove_dead_socket(address_of(path_));
   UniqueFd made(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!made) fail("cannot make a socket", errno, "");
+  refuse_descriptors(made.get());
+  // Under another name until it listens with its owner and mode: a writer that sees the file can connect.
   const std::string file = path_.string();
+  const std::string unready = file + kUnready;
+  ::unlink(unready.c_str());
+  const sockaddr_un address = address_of(unready);
   if (::bind(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     fail("cannot bind " + file, errno, "may slipd write to its folder?");
-  struct stat there {};
-  if (::lstat(file.c_str(), &there) == 0) made_.emplace(there.st_dev, there.st_ino);
-  refuse_descriptors(made.get());
-  // Nobody can connect before it listens, with its owner and mode.
-  if ((!owner.empty() || !group.empty()) && ::chown(file.c_str(), user_of(owner), group_of(group)) != 0)
-    fail("cannot give " + file + " to options.owner and options.group", errno,
-         "slipd has to be a member of the group (docs/push.md); an owner other than slipd requires root");
-  if (::chmod(file.c_str(), mode) != 0) fail("cannot set the mode of " + file, errno, "");
-  if (::listen(made.get(), kWaiting) != 0) fail("cannot listen on " + file, errno, "");
+  try {
+    if ((!owner.empty() || !group.empty()) && ::chown(unready.c_str(), user_of(owner), group_of(group)) != 0)
+      fail("cannot give " + file + " to options.owner and options.group", errno,
+           "slipd has to be a member of the group (docs/push.md); an owner other than slipd requires root");
+    if (::chmod(unready.c_str(), mode) != 0) fail("cannot set the mode of " + file, errno, "");
+    if (::listen(made.get(), kWaiting) != 0) fail("cannot listen on " + file, errno, "");
+    struct stat there {};
+    if (::lstat(unready.c_str(), &there) == 0) made_.emplace(there.st_dev, there.st_ino);
+    if (::rename(unready.c_str(), file.c_str()) != 0) fail("cannot make " + file, errno, "");
+  } catch (...) {
+    ::unlink(unready.c_str());
+    throw;
+  }
   listener_ = std::move(made);
 }
 

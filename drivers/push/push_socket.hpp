@@ -2,7 +2,9 @@
 #pragma once
 
 #include <sys/types.h>
+#include <sys/un.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +13,11 @@
 #include "core/storage/unique_fd.hpp"
 
 namespace slipd::push {
+
+// A socket has its path with this behind it until it listens. The longest path of a Unix socket has room for
+// it.
+inline constexpr char kUnready[] = "~";
+inline constexpr std::size_t kLongestPath = sizeof sockaddr_un{}.sun_path - sizeof kUnready;
 
 class PushSocket {
  public:

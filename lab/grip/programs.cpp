@@ -59,6 +59,7 @@ json sensor(const char* name, const BedOptions& o) {
 
 Process::Process(const std::vector<std::string>& command, const std::filesystem::path& errors) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& one : command) arguments.push_back(const_cast<char*>(one.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
