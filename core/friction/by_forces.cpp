@@ -19,6 +19,7 @@ void FrictionByForces::reset() noexcept {
 void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   traction_ratio_.update(patch);
+  frame_ = {.traction_ratio = traction_ratio_.now()};
   fade(frame.time_ns);
   forget_lighter(patch);
   watch_hook();
@@ -28,7 +29,6 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
     const auto [load, frames] = traction_ratio_.held();
     bound_below(load, frames);
   }
-  evidence_.surprised = false;
   if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);
   if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !self_stressed)

@@ -14,9 +14,6 @@ class FrictionByForces final : public FrictionFilter {
   void update(const FrictionFrame& frame) noexcept override;
   void reset() noexcept override;
 
-  // What the last few frames say of it.
-  const MeanSigma& traction_ratio() const noexcept override { return traction_ratio_.now(); }
-
  private:
   void fade(std::int64_t time_ns) noexcept;
   void forget_lighter(const ContactPatch& patch) noexcept;

@@ -40,13 +40,12 @@ void FrictionByShape::lose_sight() noexcept {
 void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   const Reading* const reading = frame.reading;
-  MeanSigma& ratio = grasp_.traction_ratio;
-  ratio = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  const MeanSigma ratio{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  frame_ = {.traction_ratio = ratio};
   bound_below({ratio.mean, std::max(ratio.sigma, options_.traction_ratio.held_floor_frame * ratio.mean)}, 1);
   const bool turning = reading != nullptr && reading->under_torque;
   if (!turning) follow(patch);
   grasp_.turning = turning;
-  evidence_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
   const bool clear = reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n;
   verify(frame, clear);

@@ -21,7 +21,6 @@ class FrictionByShape final : public FrictionFilter {
   // The history is assumed until frames confirm it.
   void lose_sight() noexcept override;
 
-  const MeanSigma& traction_ratio() const noexcept override { return grasp_.traction_ratio; }
   MeanSigma margin_offset() const noexcept override { return grasp_.margin_offset; }
   bool doubted() const noexcept override { return grasp_.doubt_frames > 0; }
   bool explained() const noexcept override {
@@ -53,11 +52,10 @@ class FrictionByShape final : public FrictionFilter {
 
   // What a new grasp forgets.
   struct GraspState {
-    MeanSigma traction_ratio;  // |Q|/P of the last frame
-    bool turning = false;      // the last frame's shear was changed by a torque
-    int doubt_frames = 0;      // to come
-    MeanSigma margin_offset;   // see margin_offset()
-    double likeliest = 0;      // friction a frame ago; 0 before the first
+    bool turning = false;     // the last frame's shear was changed by a torque
+    int doubt_frames = 0;     // to come
+    MeanSigma margin_offset;  // see margin_offset()
+    double likeliest = 0;     // friction a frame ago; 0 before the first
     SlipMoment slip_moment;
     // The most, since the load was last monotonic, of what taxels make of shear moments, N.
     contact::ShearMoments locked_in_sigma;

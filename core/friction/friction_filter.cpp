@@ -17,6 +17,7 @@ void FrictionFilter::reset_evidence() noexcept {
   grid_.reset();
   history_.contact_lost();
   evidence_ = {};
+  frame_ = {};
 }
 
 void FrictionFilter::forget_common() noexcept {
@@ -75,7 +76,7 @@ bool FrictionFilter::take_evidence(const PerFriction& residuals, bool confirms_m
   const double likeliest = residuals[grid_.likeliest()];
   const double least =
       *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
-  evidence_.surprised = likeliest > options_.surprising_residual;
+  frame_.surprised = likeliest > options_.surprising_residual;
   evidence_.mean_residual = options_.residual_memory * evidence_.mean_residual +
                             (1 - options_.residual_memory) * std::min(least, options_.max_residual);
   evidence_.cusum.add(0.5 * likeliest, options_.cusum_drift_nats);
@@ -88,7 +89,7 @@ bool FrictionFilter::take_evidence(const PerFriction& residuals, bool confirms_m
     forget_common();
     grid_.reset();
   }
-  if (evidence_.surprised || doubted()) forget_common();
+  if (frame_.surprised || doubted()) forget_common();
   history_.explained(confirms_monotonic);
   const double half = 0.5 * share;
   for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));

@@ -49,7 +49,7 @@ class FrictionFilter {
   virtual void lose_sight() noexcept { reset(); }
 
   // |Q|/P now.
-  virtual const MeanSigma& traction_ratio() const noexcept = 0;
+  const MeanSigma& traction_ratio() const noexcept { return frame_.traction_ratio; }
   // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest
   // friction's contact has had: to be added to it, Gamma; and its standard deviation.
   virtual MeanSigma margin_offset() const noexcept { return {}; }
@@ -74,7 +74,7 @@ class FrictionFilter {
   // What is known of the load before this frame.
   HistoryState history() const noexcept { return history_.state(); }
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
-  bool surprised() const noexcept { return evidence_.surprised; }
+  bool surprised() const noexcept { return frame_.surprised; }
 
  protected:
   using PerFriction = std::array<double, FrictionGrid::kMost>;
@@ -123,7 +123,6 @@ class FrictionFilter {
 
   // What frames of this grasp have said, beside the weights.
   struct Evidence {
-    bool surprised = false;
     double mean_residual = 1;  // of the best friction, squared
     Cusum cusum;
     EvidenceDiscount discount;
@@ -153,6 +152,11 @@ class FrictionFilter {
   FrictionGrid grid_;
   HistoryMonitor history_;
   Evidence evidence_;
+  struct ThisFrame {
+    MeanSigma traction_ratio;  // |Q|/P
+    bool surprised = false;    // see surprised()
+  };
+  ThisFrame frame_;
 };
 
 }  // namespace slipd

@@ -12,34 +12,32 @@ constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without s
 }  // namespace
 
 void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
-  const MeanSigma frame{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
-  const bool first = state_.frame_sigma == 0;
+  const MeanSigma ratio{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  const bool first = state_.line.frames == 0;
   const double gain = first ? 1 : options_.mean_gain;
-  state_.mean += gain * (frame.mean - state_.mean);
-  state_.normal_n = {state_.normal_n.mean + gain * (patch.normal_n - state_.normal_n.mean),
-                     options_.mean_sigma * patch.normal_sigma_n};
-  state_.frame_sigma = frame.sigma;
-  state_.shear_x_n += gain * (patch.shear_x_n - state_.shear_x_n);
-  state_.shear_y_n += gain * (patch.shear_y_n - state_.shear_y_n);
-  const double residual = frame.mean - (state_.now.mean + state_.line.slope);
-  if (first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
-    restart_line(frame);
-  } else {
-    extend_line(residual, frame.sigma);
-  }
+  state_.mean += gain * (ratio.mean - state_.mean);
+  state_.normal_n += gain * (patch.normal_n - state_.normal_n);
+  state_.shear.x_n += gain * (patch.shear_x_n - state_.shear.x_n);
+  state_.shear.y_n += gain * (patch.shear_y_n - state_.shear.y_n);
+  const double residual = ratio.mean - (state_.level + state_.line.slope);
+  const bool begins = first || !(std::fabs(residual) < options_.jump_sigmas * ratio.sigma);
+  frame_ = {.now = begins ? restart_line(ratio) : extend_line(residual, ratio.sigma),
+            .sigma = ratio.sigma,
+            .normal_sigma_n = options_.mean_sigma * patch.normal_sigma_n};
+  state_.level = frame_.now.mean;
 }
 
-void TractionRatioFilter::restart_line(const MeanSigma& frame) noexcept {
-  state_.now = frame;
+MeanSigma TractionRatioFilter::restart_line(const MeanSigma& frame) noexcept {
   state_.line = {.slope = 0, .frames = 1, .residual = 0};
+  return frame;
 }
 
 // Least squares over n frames, the newest counted in: its gain is 2 (2n - 1)/(n (n + 1)) for the level, which
 // is also the share of one frame's variance that is left in it, and 6/(n (n + 1)) for the slope. A frame
 // scatters about the line through the n before it by sigma sqrt((n + 1)(n + 2)/(n (n - 1))).
-void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
+MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
   Line& line = state_.line;
-  const double expected = state_.now.mean + line.slope;
+  const double expected = state_.level + line.slope;
   if (line.frames > options_.frames_after_turn) {
     const double n = line.frames, scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));
     line.residual += options_.residual_gain * (residual / scatter - line.residual);
@@ -57,13 +55,12 @@ void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
   // sqrt(pi/2) sigma without shear (Rice 1944).
   const double rectified =
       std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
-  state_.now = {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
+  return {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
 }
 
 TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
-  const MeanSigma& now = state_.now;
   const double sigma =
-      std::max(options_.mean_sigma * state_.frame_sigma, options_.held_floor_mean * now.mean);
+      std::max(options_.mean_sigma * frame_.sigma, options_.held_floor_mean * frame_.now.mean);
   return {{state_.mean, sigma}, options_.mean_gain};
 }
 
@@ -72,26 +69,27 @@ bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
 }
 
 // Whether the resultant points as it did then.
-bool TractionRatioFilter::is_steady(const Plateau& since) const noexcept {
-  const double along = since.shear_x_n * state_.shear_x_n + since.shear_y_n * state_.shear_y_n;
-  const double across = since.shear_x_n * state_.shear_y_n - since.shear_y_n * state_.shear_x_n;
+bool TractionRatioFilter::is_steady(const Shear& since) const noexcept {
+  const Shear& now = state_.shear;
+  const double along = since.x_n * now.x_n + since.y_n * now.y_n;
+  const double across = since.x_n * now.y_n - since.y_n * now.x_n;
   if (along == 0 && across == 0) return true;  // no direction
-  const double noise_rad = options_.plateau_sigmas * state_.frame_sigma / std::max(state_.mean, kLeastLoad);
+  const double noise_rad = options_.plateau_sigmas * frame_.sigma / std::max(state_.mean, kLeastLoad);
   return std::fabs(std::atan2(across, along)) < options_.steady_rad + noise_rad;
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
     const SlidingVerdict& sliding) noexcept {
-  const double load = state_.now.mean, normal_n = state_.normal_n.mean;
-  state_.highest = std::max(state_.highest, load - state_.now.sigma);
-  if (normal_n > (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n +
-                     options_.plateau_fall_sigmas * state_.normal_n.sigma)
-    state_.at_last_grip_rise = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+  const auto [ratio, sigma] = frame_.now;
+  state_.highest = std::max(state_.highest, ratio - sigma);
+  if (state_.normal_n > (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n +
+                            options_.plateau_fall_sigmas * frame_.normal_sigma_n)
+    state_.at_last_grip_rise = {ratio, state_.normal_n};
   const std::optional<Slide> even = read_plateau();
   if (sliding.field.known && sliding.field.coherence < options_.min_coherence) return std::nullopt;
   if (sliding.sliding == Sliding::rotation) return std::nullopt;
   if (sliding.field.known && sliding.sliding == Sliding::translation) return read_moving(sliding);
-  state_.moving = {};
+  state_.moving.reset();
   return even;
 }
 
@@ -99,29 +97,33 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
     const SlidingVerdict& sliding) noexcept {
   if (state_.block == sliding.field.block) return std::nullopt;
   state_.block = sliding.field.block;
-  if (state_.moving.load == 0 || !is_steady(state_.moving)) {
-    state_.moving = {state_.mean, state_.normal_n.mean, state_.shear_x_n, state_.shear_y_n};
+  if (!state_.moving || !is_steady(*state_.moving)) {
+    state_.moving.reset();
+    if (state_.mean > 0) state_.moving = state_.shear;
     return std::nullopt;
   }
   return Slide{state_.mean, options_.moving_sigma};
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
-  const auto [load, sigma] = state_.now;
-  Plateau& plateau = state_.plateau;
-  const double normal_n = state_.normal_n.mean;
-  const bool even =
-      std::fabs(load - plateau.load) < options_.plateau * plateau.load + options_.plateau_sigmas * sigma;
-  if (!even || plateau.load == 0 || normal_n > plateau.normal_n || !is_steady(plateau)) {
-    plateau = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+  const auto [ratio, sigma] = frame_.now;
+  const auto even_since = [&](const Plateau& since) {
+    return std::fabs(ratio - since.load.ratio) <
+               options_.plateau * since.load.ratio + options_.plateau_sigmas * sigma &&
+           state_.normal_n <= since.load.normal_n && is_steady(since.shear);
+  };
+  if (!state_.plateau || !even_since(*state_.plateau)) {
+    state_.plateau.reset();
+    if (ratio > 0) state_.plateau = {.load = {ratio, state_.normal_n}, .shear = state_.shear};
     return std::nullopt;
   }
-  const double fallen_n = plateau.normal_n - normal_n - options_.plateau_fall_sigmas * state_.normal_n.sigma;
-  if (fallen_n < options_.plateau_fall * plateau.normal_n) return std::nullopt;
-  if (load < options_.min_of_highest * state_.highest) return std::nullopt;
-  if (load < options_.risen * state_.at_last_grip_rise.load + options_.plateau_sigmas * sigma)
+  const double began_n = state_.plateau->load.normal_n,
+               fallen_n = began_n - state_.normal_n - options_.plateau_fall_sigmas * frame_.normal_sigma_n;
+  if (fallen_n < options_.plateau_fall * began_n) return std::nullopt;
+  if (ratio < options_.min_of_highest * state_.highest) return std::nullopt;
+  if (ratio < options_.risen * state_.at_last_grip_rise.ratio + options_.plateau_sigmas * sigma)
     return std::nullopt;
-  return Slide{load, options_.plateau_sigma};
+  return Slide{ratio, options_.plateau_sigma};
 }
 
 }  // namespace slipd

@@ -86,13 +86,16 @@ class TractionRatioFilter {
   explicit TractionRatioFilter(const TractionRatioOptions& options = {}) noexcept : options_(options) {}
 
   // A new grasp.
-  void reset() noexcept { state_ = {}; }
+  void reset() noexcept {
+    state_ = {};
+    frame_ = {};
+  }
 
   // One frame in contact, in order of time.
   void update(const ContactPatch& patch) noexcept;
 
   // |Q|/P now, dimensionless, >= 0.
-  const MeanSigma& now() const noexcept { return state_.now; }
+  const MeanSigma& now() const noexcept { return frame_.now; }
 
   // |Q|/P that friction holds by now, and in how many frames' worth of evidence it counts: the running mean,
   // for of the many frames of a slide the noisiest would else decide.
@@ -124,34 +127,47 @@ class TractionRatioFilter {
     int frames = 0;    // that level and slope come from
     double residual = 0;
   };
-  // Where an even |Q|/P began; load 0: nowhere yet.
+  // The resultant, N.
+  struct Shear {
+    double x_n = 0, y_n = 0;
+  };
+  struct Load {
+    double ratio = 0;     // |Q|/P
+    double normal_n = 0;  // P
+  };
+  // Where an even |Q|/P began.
   struct Plateau {
-    double load = 0;
-    double normal_n = 0;
-    double shear_x_n = 0, shear_y_n = 0;
+    Load load;
+    Shear shear;
   };
   struct State {
-    MeanSigma now;  // the line's level at the newest frame
     Line line;
-    double frame_sigma = 0;               // of the newest frame's |Q|/P; 0 before the first
-    double mean = 0;                      // running mean of |Q|/P
-    MeanSigma normal_n;                   // running mean of P
-    double highest = 0;                   // |Q|/P, less its sigma
-    double shear_x_n = 0, shear_y_n = 0;  // running means
-    Plateau plateau;
-    Plateau at_last_grip_rise;  // when P last rose
-    Plateau moving;             // when the pattern began to move
-    std::uint32_t block = 0;    // the last one that was read
+    double level = 0;        // of the line at the newest frame
+    double mean = 0;         // running mean of |Q|/P
+    double normal_n = 0;     // running mean of P
+    Shear shear;             // running mean
+    double highest = 0;      // |Q|/P, less its sigma
+    Load at_last_grip_rise;  // when P last rose
+    std::optional<Plateau> plateau;
+    std::optional<Shear> moving;  // when the pattern began to move
+    std::uint32_t block = 0;      // the last one that was read
+  };
+  struct ThisFrame {
+    MeanSigma now;              // the line's level
+    double sigma = 0;           // of its |Q|/P
+    double normal_sigma_n = 0;  // of the running mean of P
   };
 
-  void restart_line(const MeanSigma& frame) noexcept;
-  void extend_line(double residual, double sigma) noexcept;
-  bool is_steady(const Plateau& since) const noexcept;
+  // Both return the line's level now.
+  MeanSigma restart_line(const MeanSigma& frame) noexcept;
+  MeanSigma extend_line(double residual, double sigma) noexcept;
+  bool is_steady(const Shear& since) const noexcept;
   std::optional<Slide> read_moving(const SlidingVerdict& sliding) noexcept;
   std::optional<Slide> read_plateau() noexcept;
 
   const TractionRatioOptions options_;
   State state_;
+  ThisFrame frame_;
 };
 
 }  // namespace slipd

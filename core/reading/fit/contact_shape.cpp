@@ -73,7 +73,7 @@ void ContactShape::set_depth(double log) noexcept {
 
 void ContactShape::collect(const ContactPatch& patch, const contact::Ellipse& reach,
                            std::size_t all_below) noexcept {
-  collected_ = 0;
+  frame_ = {};
   const bool all = layout_.size() <= all_below;
   const double along_x = std::cos(reach.angle_rad) / reach.a_m,
                along_y = std::sin(reach.angle_rad) / reach.a_m,
@@ -82,51 +82,51 @@ void ContactShape::collect(const ContactPatch& patch, const contact::Ellipse& re
   for (std::uint32_t i = 0; i < layout_.size(); ++i) {
     const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
     const double u = along_x * x + along_y * y, v = across_x * x + across_y * y;
-    if (all || u * u + v * v < 1) taxel_[collected_++] = i;
+    if (all || u * u + v * v < 1) taxel_[frame_.collected++] = i;
   }
-  for (std::size_t j = 0; j < collected_; ++j) {
+  for (std::size_t j = 0; j < frame_.collected; ++j) {
     const std::uint32_t i = taxel_[j];
     all_data_[j] = patch.taxels.normal_pa[i];
-    all_data_[collected_ + j] = patch.taxels.shear_x_pa[i];
-    all_data_[2 * collected_ + j] = patch.taxels.shear_y_pa[i];
+    all_data_[frame_.collected + j] = patch.taxels.shear_x_pa[i];
+    all_data_[2 * frame_.collected + j] = patch.taxels.shear_y_pa[i];
   }
   use_all();
 }
 
 void ContactShape::collect_nothing() noexcept {
-  collected_ = layout_.size();
+  frame_.collected = layout_.size();
   std::iota(taxel_.begin(), taxel_.end(), 0U);
   std::fill(all_data_.begin(), all_data_.end(), 0.0);
   use_all();
 }
 
 void ContactShape::use_part(std::size_t taxels) noexcept {
-  const double share =
-      std::min(1.0, static_cast<double>(taxels) / static_cast<double>(std::max<std::size_t>(collected_, 1)));
-  count_ = 0;
-  for (std::size_t j = 0; j < collected_; ++j) {
+  const double share = std::min(
+      1.0, static_cast<double>(taxels) / static_cast<double>(std::max<std::size_t>(frame_.collected, 1)));
+  frame_.count = 0;
+  for (std::size_t j = 0; j < frame_.collected; ++j) {
     if (share < 1 && even_number(taxel_[j]) >= share) continue;
-    u_[count_] = static_cast<double>(j);
-    ++count_;
+    u_[frame_.count] = static_cast<double>(j);
+    ++frame_.count;
   }
-  choose(count_, Detail::rough);
+  choose(frame_.count, Detail::rough);
 }
 
 void ContactShape::use_all() noexcept {
-  for (std::size_t j = 0; j < collected_; ++j) u_[j] = static_cast<double>(j);
-  choose(collected_, Detail::exact);
+  for (std::size_t j = 0; j < frame_.collected; ++j) u_[j] = static_cast<double>(j);
+  choose(frame_.collected, Detail::exact);
 }
 
 // u_ has the places of those in use among the collected.
 void ContactShape::choose(std::size_t count, Detail detail) noexcept {
-  count_ = count;
-  detail_ = detail;
-  for (std::size_t i = 0; i < count_; ++i) {
+  frame_.count = count;
+  frame_.detail = detail;
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     const auto j = static_cast<std::size_t>(u_[i]);
     x_[i] = layout_.x_m()[taxel_[j]];
     y_[i] = layout_.y_m()[taxel_[j]];
     for (std::size_t channel = 0; channel < 3; ++channel)
-      data_[channel * count_ + i] = all_data_[channel * collected_ + j];
+      data_[channel * frame_.count + i] = all_data_[channel * frame_.collected + j];
   }
 }
 
@@ -136,15 +136,16 @@ contact::Ellipse ContactShape::ellipse_of(const Full& at, double scale) noexcept
 }
 
 void ContactShape::change_noise(const Noise& noise) noexcept {
-  const double normal = noise_.normal_pa / noise.normal_pa, shear = noise_.shear_pa / noise.shear_pa;
-  for (std::size_t i = 0; i < count_; ++i) residuals_[i] *= normal;
-  for (std::size_t i = count_; i < 3 * count_; ++i) residuals_[i] *= shear;
-  noise_ = noise;
+  const double normal = frame_.noise.normal_pa / noise.normal_pa,
+               shear = frame_.noise.shear_pa / noise.shear_pa;
+  for (std::size_t i = 0; i < frame_.count; ++i) residuals_[i] *= normal;
+  for (std::size_t i = frame_.count; i < 3 * frame_.count; ++i) residuals_[i] *= shear;
+  frame_.noise = noise;
 }
 
 void ContactShape::place(const Full& at) noexcept {
   set_depth(at[depth]);
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     u_[i] = x_[i] - at[center_x];
     v_[i] = y_[i] - at[center_y];
   }
@@ -187,7 +188,7 @@ void ContactShape::spread(const ChannelProducts& products, int unknowns, Normal&
 
 double ContactShape::farthest_m(const Full& at) const noexcept {
   double most_m2 = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     const double x = x_[i] - at[center_x], y = y_[i] - at[center_y];
     most_m2 = std::max(most_m2, x * x + y * y);
   }
@@ -209,17 +210,17 @@ RoundTask ContactShape::task() noexcept {
           .y_m = y_.data(),
           .data_pa = data_.data(),
           .residuals = residuals_.data(),
-          .count = count_,
-          .per_normal = 1 / noise_.normal_pa,
-          .per_shear = 1 / noise_.shear_pa};
+          .count = frame_.count,
+          .per_normal = 1 / frame_.noise.normal_pa,
+          .per_shear = 1 / frame_.noise.shear_pa};
 }
 
 bool ContactShape::evaluate_round(const Full& at, Normal& normal) noexcept {
   if (!(depth_m_ > 0)) return false;
   const double reach_m = farthest_m(at);
-  if (!round_.pays(count_, reach_m, detail_, outer_.points(detail_))) return false;
+  if (!round_.pays(frame_.count, reach_m, frame_.detail, outer_.points(frame_.detail))) return false;
   ChannelProducts products;
-  round_.linearise(trial_of(at), reach_m, detail_, task(), products);
+  round_.linearise(trial_of(at), reach_m, frame_.detail, task(), products);
   spread(products, kRound, normal);
   return true;
 }
@@ -254,14 +255,14 @@ void ContactShape::evaluate_sheets(const Full& from, int unknowns, Detail detail
                        .s2 = at[across] * per_apart,
                        .turn = 0.5 * per_apart,
                        .per_size = 1 / at[size],
-                       .per_normal = 1 / noise_.normal_pa,
-                       .per_shear = 1 / noise_.shear_pa,
+                       .per_normal = 1 / frame_.noise.normal_pa,
+                       .per_shear = 1 / frame_.noise.shear_pa,
                        .surface = !(depth_m_ > 0),
                        .residuals_given = residuals_given,
                        .symmetric = outer_.symmetric(),
                        .data = data_.data(),
                        .residuals = residuals_.data(),
-                       .count = count_};
+                       .count = frame_.count};
   ChannelProducts products;
   linearise_field(by, unknowns, products);
   spread(products, unknowns, normal);
@@ -270,7 +271,7 @@ void ContactShape::evaluate_sheets(const Full& from, int unknowns, Detail detail
 void ContactShape::evaluate(const Full& at, int unknowns, Normal& normal) noexcept {
   set_depth(at[depth]);
   if (unknowns != kRound || !evaluate_round(at, normal))
-    evaluate_sheets(at, unknowns, detail_, false, normal);
+    evaluate_sheets(at, unknowns, frame_.detail, false, normal);
 }
 
 // With all other unknowns free.

@@ -78,12 +78,12 @@ class ContactShape {
   // For its last steps: all taxels, and exact averages.
   void use_all() noexcept;
   // Whether use_part is less than use_all.
-  bool partial() const noexcept { return detail_ != Detail::exact; }
+  bool partial() const noexcept { return frame_.detail != Detail::exact; }
 
-  void set_noise(const Noise& noise) noexcept { noise_ = noise; }
+  void set_noise(const Noise& noise) noexcept { frame_.noise = noise; }
   // The same after an evaluation, whose residuals are then in units of this noise.
   void change_noise(const Noise& noise) noexcept;
-  const Noise& noise() const noexcept { return noise_; }
+  const Noise& noise() const noexcept { return frame_.noise; }
 
   // By so many unknowns, kRound or kMost.
   void evaluate(const Full& at, int unknowns, Normal& normal) noexcept;
@@ -94,16 +94,16 @@ class ContactShape {
   static double axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept;
 
   // Of the taxels in use.
-  std::size_t count() const noexcept { return count_; }
+  std::size_t count() const noexcept { return frame_.count; }
   // Their numbers in the layout, after use_all.
-  std::span<const std::uint32_t> taxels() const noexcept { return {taxel_.data(), count_}; }
+  std::span<const std::uint32_t> taxels() const noexcept { return {taxel_.data(), frame_.count}; }
   // Of the last evaluation, in units of noise: pressures of all taxels in use, then the shears along x and y.
-  std::span<const double> residuals() const noexcept { return {residuals_.data(), 3 * count_}; }
+  std::span<const double> residuals() const noexcept { return {residuals_.data(), 3 * frame_.count}; }
   // Pa, in the same order.
-  std::span<const double> data_pa() const noexcept { return {data_.data(), 3 * count_}; }
+  std::span<const double> data_pa() const noexcept { return {data_.data(), 3 * frame_.count}; }
   // Places from the centre of the last evaluation, or of show().
-  std::span<const double> u() const noexcept { return {u_.data(), count_}; }
-  std::span<const double> v() const noexcept { return {v_.data(), count_}; }
+  std::span<const double> u() const noexcept { return {u_.data(), frame_.count}; }
+  std::span<const double> v() const noexcept { return {v_.data(), frame_.count}; }
   // Values of the dome of unit height over the whole contact; and then over a part of it, `scale` times as
   // large.
   const contact::SubsurfaceSheet& show(const Full& at, Detail detail) noexcept;
@@ -132,9 +132,12 @@ class ContactShape {
   contact::SubsurfaceSheet outer_, inner_;
   AxisymmetricNormalEquations round_;
   EllipticityTest axes_;
-  std::size_t collected_ = 0, count_ = 0;
-  Detail detail_ = Detail::exact;
-  Noise noise_;
+  struct ThisFrame {
+    std::size_t collected = 0, count = 0;  // taxels; and those in use
+    Detail detail = Detail::exact;
+    Noise noise;
+  };
+  ThisFrame frame_;
   std::vector<std::uint32_t> taxel_;
   std::vector<double> x_, y_, u_, v_;
   // Of all collected taxels pressure, shear along x and shear along y; and of those in use.

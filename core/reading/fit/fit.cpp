@@ -45,8 +45,9 @@ std::size_t Fit::list_bytes() const noexcept {
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
 void Fit::set_noise(const ContactPatch& patch, double taxels_along) noexcept {
   const double floor_pa = options_.noise_floor * peak_pressure(patch);
-  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa) / taxels_along;
-  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / taxels_along;
+  frame_.noise_normal_pa = std::max(patch.noise_normal_pa, floor_pa) / taxels_along;
+  frame_.noise_shear_pa =
+      std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / taxels_along;
 }
 
 Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
@@ -63,7 +64,7 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
 double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept {
   const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, b = at[height], t = at[load];
   const double a = at[radius];
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     u_[i] = x_[i] - at[center_x];
     v_[i] = y_[i] - at[center_y];
   }
@@ -71,9 +72,9 @@ double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexce
   fill_sheet(k * a, at, inner_);
 
   using Values = Eigen::Map<const Eigen::ArrayXd>;
-  const auto n = static_cast<Eigen::Index>(count_);
+  const auto n = static_cast<Eigen::Index>(frame_.count);
   const auto values = [n](const std::vector<double>& list) { return Values(list.data(), n); };
-  const double wp = 1 / noise_normal_, wq = 1 / noise_shear_, shape = b * t / rest;
+  const double wp = 1 / frame_.noise_normal_pa, wq = 1 / frame_.noise_shear_pa, shape = b * t / rest;
   const double dk = a / (3 * k * k);  // of k a by Gamma
   const Values outer = values(outer_.value), inner = values(inner_.value), inner_x = values(inner_.d_x);
 
@@ -113,7 +114,7 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
     double off = 0, held = 0, taxels = 0;
   };
   std::array<Ring, kRings> rings;
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     const double s = std::hypot(u_[i], v_[i]) / at[radius];
     auto& ring = rings[std::min(static_cast<std::size_t>(s * kRings), kRings - 1)];
     ring.off += shape * (outer_.value[i] - inner_.value[i]) - q_[i];
@@ -125,7 +126,7 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   for (const auto& ring : rings) {
     if (ring.taxels < 1) continue;
     const double uneven = options_.uneven_share * ring.held,
-                 noise = noise_shear_ * noise_shear_ * ring.taxels;
+                 noise = frame_.noise_shear_pa * frame_.noise_shear_pa * ring.taxels;
     sums.by_noise += ring.off * ring.off / noise;
     sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
     ++used;
@@ -143,7 +144,7 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
   };
   std::array<Part, 16> parts;
   const double half = 0.5 * at[radius] * at[radius];
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     const double u = u_[i], v = v_[i];
     const std::size_t which = (u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) +
                               (std::fabs(u) > std::fabs(v) ? 4U : 0U) + (u * u + v * v > half ? 8U : 0U);
@@ -153,9 +154,9 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
   double sum = 0;
   for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
   const double free = static_cast<double>(parts.size()) - kFitted;
-  const double by_noise = noise_normal_ * noise_normal_;
+  const double by_noise = frame_.noise_normal_pa * frame_.noise_normal_pa;
   if (sum < (free + options_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
-  return std::sqrt((sum - free * by_noise) / static_cast<double>(count_)) / (at[height] * at[radius]);
+  return std::sqrt((sum - free * by_noise) / static_cast<double>(frame_.count)) / (at[height] * at[radius]);
 }
 
 // The profile holds place, size and height of the contact as they fit best, and they are not known so well:
@@ -175,7 +176,7 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
   const double share = profile_share(hessian);
   ProfileFriction friction;
   auto& profile = out.profile;
-  const auto n = static_cast<Eigen::Index>(count_);
+  const auto n = static_cast<Eigen::Index>(frame_.count);
   const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
   Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
@@ -185,7 +186,8 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
     const double square = ring.square().sum(), product = (ring * q).sum();
     const double t = std::max(options_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
-    profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
+    profile.misfit[j] =
+        share * 0.5 * (t * t * square - 2 * t * product) / (frame_.noise_shear_pa * frame_.noise_shear_pa);
   }
   weigh_profile(friction, prior_, out);
 }
@@ -195,7 +197,7 @@ Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcep
   Vector gradient, trial_gradient;
   Square trial_hessian;
   double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
-  for (steps_ = 0; steps_ < kMostSteps && !best.converged; ++steps_) {
+  for (frame_.steps = 0; frame_.steps < kMostSteps && !best.converged; ++frame_.steps) {
     Square damped = best.hessian;
     damped.diagonal() *= 1 + damping;
     const Vector step = -damped.ldlt().solve(gradient);
@@ -233,19 +235,19 @@ bool Fit::take_last_step(Minimum& minimum) noexcept {
   if (!at.allFinite() || !(squares < most * most) || !(at[radius] > 0)) return false;
   const auto move = [&](Sheet& sheet, double by_radius) {
 #pragma omp simd
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t i = 0; i < frame_.count; ++i) {
       sheet.value[i] +=
           by_radius * sheet.d_x[i] - step[center_x] * sheet.d_u[i] - step[center_y] * sheet.d_v[i];
     }
   };
   move(outer_, step[radius]);
   move(inner_, std::cbrt(at[margin]) * at[radius] - std::cbrt(minimum.at[margin]) * minimum.at[radius]);
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < frame_.count; ++i) {
     u_[i] -= step[center_x];
     v_[i] -= step[center_y];
   }
   minimum.at = at;
-  ++steps_;
+  ++frame_.steps;
   return true;
 }
 
@@ -275,6 +277,7 @@ void Fit::place(const ContactPatch& patch, const Vector& at, Reading& out) noexc
 }
 
 Reading Fit::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
+  frame_ = {};
   collect(patch);
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   Reading out;
@@ -287,7 +290,7 @@ Reading Fit::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcep
 
 std::optional<Fit::Vector> Fit::start_of(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
   const Vector first = start(patch, ratio);
-  if (!(first[load] > 0) || count_ < kUnknowns) return std::nullopt;
+  if (!(first[load] > 0) || frame_.count < kUnknowns) return std::nullopt;
   return first;
 }
 
@@ -316,20 +319,20 @@ TaxelFit::TaxelFit(const TaxelLayout& layout, Range friction_expected, const Fit
     : Fit(layout, friction_expected, options, layout.size()), sheet_(layout.size(), layout.side_m()) {}
 
 void TaxelFit::take(const ContactPatch& patch, std::uint32_t taxel) noexcept {
-  x_[count_] = layout_.x_m()[taxel] - patch.center_x_m;
-  y_[count_] = layout_.y_m()[taxel] - patch.center_y_m;
-  p_[count_] = patch.taxels.normal_pa[taxel];
-  q_[count_] = patch.shear_along_pa(taxel);
-  ++count_;
+  x_[frame_.count] = layout_.x_m()[taxel] - patch.center_x_m;
+  y_[frame_.count] = layout_.y_m()[taxel] - patch.center_y_m;
+  p_[frame_.count] = patch.taxels.normal_pa[taxel];
+  q_[frame_.count] = patch.shear_along_pa(taxel);
+  ++frame_.count;
 }
 
 void TaxelFit::fill_sheet(double x, const Vector& /*at*/, Sheet& out) noexcept {
-  sheet_.evaluate(x, {u_.data(), count_}, {v_.data(), count_}, {out.value.data(), count_},
-                  {out.d_x.data(), count_}, {out.d_u.data(), count_}, {out.d_v.data(), count_});
+  sheet_.evaluate(x, {u_.data(), frame_.count}, {v_.data(), frame_.count}, {out.value.data(), frame_.count},
+                  {out.d_x.data(), frame_.count}, {out.d_u.data(), frame_.count},
+                  {out.d_v.data(), frame_.count});
 }
 
 void FewTaxelsFit::collect(const ContactPatch& patch) noexcept {
-  count_ = 0;
   for (std::uint32_t i = 0; i < layout_.size(); ++i) take(patch, i);
   set_noise(patch);
 }
@@ -350,7 +353,6 @@ ArrayFit::ArrayFit(const TaxelLayout& layout, Range friction_expected, const Fit
     : TaxelFit(layout, friction_expected, options), ellipses_(layout, friction_expected, 0, options) {}
 
 void ArrayFit::collect(const ContactPatch& patch) noexcept {
-  count_ = 0;
   patch.for_each_inside([&](std::uint32_t i) { take(patch, i); });
   set_noise(patch);
 }
@@ -394,17 +396,18 @@ void BlockFit::collect(const ContactPatch& patch, double along_radius) noexcept 
                 .bottom_m = blocks_.bottom_m(),
                 .side_m = blocks_.side_m(),
                 .rows = blocks_.rows()});
-  count_ = blocks_.size();
-  std::copy_n(blocks_.x_m().begin(), count_, x_.begin());
-  std::copy_n(blocks_.y_m().begin(), count_, y_.begin());
-  std::copy_n(blocks_.normal_pa().begin(), count_, p_.begin());
-  std::copy_n(blocks_.shear_pa().begin(), count_, q_.begin());
+  frame_.count = blocks_.size();
+  std::copy_n(blocks_.x_m().begin(), frame_.count, x_.begin());
+  std::copy_n(blocks_.y_m().begin(), frame_.count, y_.begin());
+  std::copy_n(blocks_.normal_pa().begin(), frame_.count, p_.begin());
+  std::copy_n(blocks_.shear_pa().begin(), frame_.count, q_.begin());
   set_noise(patch, static_cast<double>(blocks_.taxels_along()));
 }
 
 void BlockFit::fill_sheet(double x, const Vector& at, Sheet& out) noexcept {
-  lattice_.evaluate(x, at[center_x], at[center_y], {out.value.data(), count_}, {out.d_x.data(), count_},
-                    {out.d_u.data(), count_}, {out.d_v.data(), count_});
+  lattice_.evaluate(x, at[center_x], at[center_y], {out.value.data(), frame_.count},
+                    {out.d_x.data(), frame_.count}, {out.d_u.data(), frame_.count},
+                    {out.d_v.data(), frame_.count});
 }
 
 Fit::Minimum BlockFit::find_minimum(const ContactPatch& patch, const Vector& start) noexcept {

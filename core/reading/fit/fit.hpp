@@ -44,7 +44,7 @@ class Fit : public SlipMethod {
   // Bounds the time of a frame. Too small: frames near no load do not converge. Too large: the longest frame
   // takes longer.
   static constexpr int kMostSteps = 15;
-  int steps() const noexcept { return steps_; }  // that the last frame took
+  int steps() const noexcept { return frame_.steps; }  // that the last frame took
 
  protected:
   enum Unknown { center_x, center_y, radius, height, load, margin, kUnknowns };
@@ -104,9 +104,12 @@ class Fit : public SlipMethod {
   const TaxelLayout layout_;
   const FitOptions options_;
   const FrictionPrior prior_;
-  std::size_t count_ = 0;
-  double noise_normal_ = 1, noise_shear_ = 1;
-  int steps_ = 0;
+  struct ThisFrame {
+    std::size_t count = 0;                           // taxels or blocks
+    double noise_normal_pa = 1, noise_shear_pa = 1;  // of each
+    int steps = 0;
+  };
+  ThisFrame frame_;
   std::vector<double> x_, y_, p_, q_, u_, v_;
   Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>
       slopes_;  // of each residual, pressures first, by each unknown

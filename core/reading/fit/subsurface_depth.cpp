@@ -16,12 +16,12 @@ using Model = ContactShape;
 // Where the depth is known, few frames are asked.
 void SubsurfaceFit::begin_depth() noexcept {
   constexpr int kSkipped = 7;
-  depth_asked_ = depth_.open() && (!depth_.settled() || ++unasked_ > kSkipped);
-  if (depth_asked_) unasked_ = 0;
+  frame_.depth_asked = depth_.open() && (!depth_.settled() || ++unasked_ > kSkipped);
+  if (frame_.depth_asked) unasked_ = 0;
 }
 
 double SubsurfaceFit::depth_precision() const noexcept {
-  return depth_asked_ ? 1 / (depth_.now().sigma * depth_.now().sigma) : Model::kHeldDepth;
+  return frame_.depth_asked ? 1 / (depth_.now().sigma * depth_.now().sigma) : Model::kHeldDepth;
 }
 
 void SubsurfaceFit::evaluate(const Full& at, int unknowns, Model::Normal& normal) noexcept {
@@ -44,7 +44,7 @@ void SubsurfaceFit::take_depth(Minimum& best) noexcept {
   const double known = coupled[Model::depth];
   coupled[Model::depth] = 0;
   hessian(Model::depth, Model::depth) = Model::kHeldDepth;
-  if (!depth_asked_ || !best.converged) return;
+  if (!frame_.depth_asked || !best.converged) return;
   const Vector follow = -hessian.ldlt().solve(coupled);
   const double information = known + coupled.dot(follow);
   if (!(information > 0)) return;

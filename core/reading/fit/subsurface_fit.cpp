@@ -50,7 +50,7 @@ SubsurfaceFit::Full SubsurfaceFit::start(const ContactPatch& patch, const Moment
   const double mean_m2 = std::max(sensed_m2 - options_.start_spread * depth_m_ * depth_m_,
                                   kLeastShare * kLeastShare * sensed_m2);  // of both axes
   const double e =
-      elliptic_ ? std::min(ratio.deviation.ellipticity * sensed_m2 / mean_m2, kMostEllipticity) : 0;
+      frame_.elliptic ? std::min(ratio.deviation.ellipticity * sensed_m2 / mean_m2, kMostEllipticity) : 0;
   const double a = std::sqrt(mean_m2 * std::sqrt(1 - e * e)), twice = 2 * ratio.deviation.long_axis_rad;
   Full at = Full::Zero();
   at[Model::load] = ratio.load * (1 + options_.start_load * depth_m_ / sensed);
@@ -94,7 +94,7 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
     best.current = false;
     refresh(unknowns, best);
   }
-  for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++steps_) {
+  for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++frame_.steps) {
     Square damped = best.normal.hessian;
     damped.diagonal() *= 1 + damping;
     const Vector step = -damped.ldlt().solve(best.normal.gradient);
@@ -226,7 +226,7 @@ void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Readin
 // an end of the range; then with the noise that is left over, and as what the taxels show.
 void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
-  elliptic_ = shows_ellipse(ratio.deviation);
+  frame_.elliptic = shows_ellipse(ratio.deviation);
   best.at = start(patch, ratio);
   minimise(unknowns(), best);
   if (best.at[Model::margin] < fit_.min_start || best.at[Model::margin] > fit_.max_start) {
@@ -237,15 +237,15 @@ void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio
     best.current = false;
     if (other.normal.cost < best.normal.cost) best = other;
   }
-  const bool changed = (elliptic_ || depth_m_ > 0) && weights_change(unknowns(), best);
-  const bool elliptic = elliptic_ ? Model::axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
-                                        options_.elliptic_sigmas * options_.elliptic_sigmas
-                                  : shows_ellipse(best);
-  if (elliptic != elliptic_) {
+  const bool changed = (frame_.elliptic || depth_m_ > 0) && weights_change(unknowns(), best);
+  const bool elliptic = frame_.elliptic ? Model::axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
+                                              options_.elliptic_sigmas * options_.elliptic_sigmas
+                                        : shows_ellipse(best);
+  if (elliptic != frame_.elliptic) {
     best.known = false;
     best.at.tail<2>().setZero();
   }
-  elliptic_ = elliptic;
+  frame_.elliptic = elliptic;
   if (changed || !best.known) minimise(unknowns(), best);
 }
 
@@ -264,8 +264,8 @@ void SubsurfaceFit::fit_all(Minimum& best) noexcept {
     if (other.converged) best = other;
   }
   if (weights_change(unknowns(), best)) minimise(unknowns(), best);
-  if (!elliptic_ && shows_ellipse(best)) {
-    elliptic_ = true;
+  if (!frame_.elliptic && shows_ellipse(best)) {
+    frame_.elliptic = true;
     best.known = false;
     minimise(unknowns(), best);
     if (weights_change(unknowns(), best)) minimise(unknowns(), best);
@@ -306,7 +306,7 @@ double SubsurfaceFit::layer_sigma(const Full& at) const noexcept {
 }
 
 double SubsurfaceFit::misfit_nats() const noexcept {
-  if (!fitted_) return std::numeric_limits<double>::quiet_NaN();
+  if (!frame_.fitted) return std::numeric_limits<double>::quiet_NaN();
   const std::size_t n = model_.count();
   const auto left = model_.residuals();
   const auto taxels = static_cast<double>(n);
@@ -317,12 +317,11 @@ double SubsurfaceFit::misfit_nats() const noexcept {
 
 Reading SubsurfaceFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Reading out;
-  steps_ = 0;
-  elliptic_ = fitted_ = false;
+  frame_ = {};
   model_.collect(patch, reach_of(patch, ratio.deviation), kFewTaxels);
   if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
-  fitted_ = true;
+  frame_.fitted = true;
   read(patch, minimum, out);
   return out;
 }

@@ -106,8 +106,8 @@ class SubsurfaceFit {
   // The contact was lost: what its frames showed of the depth is forgotten.
   void forget() noexcept { depth_.forget(); }
 
-  int steps() const noexcept { return steps_; }         // that the last frame took
-  bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
+  int steps() const noexcept { return frame_.steps; }         // that the last frame took
+  bool elliptic() const noexcept { return frame_.elliptic; }  // whether the last frame's contact was
   std::size_t memory_bytes() const noexcept {
     return sizeof(*this) + model_.memory_bytes() +
            sizeof(double) * (shear_.size() + unsheared_.size() + columns_.size());
@@ -182,7 +182,9 @@ class SubsurfaceFit {
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
   double layer_sigma(const Full& at) const noexcept;
   void fill_shear(const Full& at, double gamma, const contact::SubsurfaceSheet& outer) noexcept;
-  int unknowns() const noexcept { return elliptic_ ? int{ContactShape::kMost} : int{ContactShape::kRound}; }
+  int unknowns() const noexcept {
+    return frame_.elliptic ? int{ContactShape::kMost} : int{ContactShape::kRound};
+  }
 
   const TaxelLayout layout_;
   const FitOptions fit_;
@@ -193,14 +195,15 @@ class SubsurfaceFit {
   SkinDepth depth_;
   double margin_by_depth_ = 0;  // of the last frame that was asked for the depth: Gamma by its log
   int unasked_ = 0;             // frames since
-  bool depth_asked_ = false;
   ContactShape model_;
   // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the
   // pressure's.
   std::vector<double> shear_, unsheared_, columns_;
-  bool fitted_ = false;
-  int steps_ = 0;
-  bool elliptic_ = false;
+  struct ThisFrame {
+    bool depth_asked = false, fitted = false, elliptic = false;
+    int steps = 0;
+  };
+  ThisFrame frame_;
 };
 
 // Of few taxels under a skin: they have no other margin than their profile's.

@@ -27,7 +27,7 @@ double SubsurfaceFit::residual_pressure(const Full& at) const noexcept {
   }
   double squares = 0;
   for (const Part& part : parts) squares += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
-  const double fitted = elliptic_ ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
+  const double fitted = frame_.elliptic ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
   const double by_noise = noise_pa * noise_pa;
   if (squares < (free + fit_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
   return std::sqrt((squares - free * by_noise) / static_cast<double>(model_.count())) /

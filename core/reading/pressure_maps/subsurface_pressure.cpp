@@ -86,21 +86,22 @@ void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double nor
   }
   const double taxels = static_cast<double>(taxels_), square_pa2 = taxel_dot(pressure, pressure);
   const double noise_pa2 =
-      std::max(normal_pa2_ * (1 + noise_share(today_)), std::numeric_limits<double>::min());
+      std::max(frame_.normal_pa2 * (1 + noise_share(today_)), std::numeric_limits<double>::min());
   const double left_pa2 =
       std::max(0.0, square_pa2 - explained_pa2(of_x, of_y, normal_n)) / std::max(1.0, taxels - kWays);
   // That no noise explains: the deviation of a mean square, and that of the noise as it is measured.
   const double surely = 1 + kSurely * std::sqrt(2 * kOfMeasuredNoise / taxels);
-  pressure_weight_ =
-      pulled_ ? 0 : shear_pa2_ / (noise_pa2 + kAlikeTaxels * std::max(0.0, left_pa2 - surely * noise_pa2));
-  taxel_vector(pressure) *= static_cast<float>(pressure_weight_);
+  frame_.pressure_weight =
+      pulled_ ? 0
+              : frame_.shear_pa2 / (noise_pa2 + kAlikeTaxels * std::max(0.0, left_pa2 - surely * noise_pa2));
+  taxel_vector(pressure) *= static_cast<float>(frame_.pressure_weight);
   const std::span<const float> shear = std::span<const float>(read_pa_).first(2 * taxels_);
-  shear_square_pa2_ = taxel_dot(shear, shear);
-  square_pa2_ = shear_square_pa2_ + pressure_weight_ * square_pa2;
-  values_ = taxels * (2 + std::min(1.0, pressure_weight_ * noise_pa2 / shear_pa2_));
-  pulls_.xx = sensed_as_shear_.xx + pressure_weight_ * pulls_.xx;
-  pulls_.xy = sensed_as_shear_.xy + pressure_weight_ * pulls_.xy;
-  pulls_.yy = sensed_as_shear_.yy + pressure_weight_ * pulls_.yy;
+  frame_.shear_square_pa2 = taxel_dot(shear, shear);
+  frame_.square_pa2 = frame_.shear_square_pa2 + frame_.pressure_weight * square_pa2;
+  frame_.values = taxels * (2 + std::min(1.0, frame_.pressure_weight * noise_pa2 / frame_.shear_pa2));
+  pulls_.xx = sensed_as_shear_.xx + frame_.pressure_weight * pulls_.xx;
+  pulls_.xy = sensed_as_shear_.xy + frame_.pressure_weight * pulls_.xy;
+  pulls_.yy = sensed_as_shear_.yy + frame_.pressure_weight * pulls_.yy;
 }
 
 // By least squares over the maps of a few forces, pulled along x and along y.

@@ -45,6 +45,7 @@ std::size_t SubsurfacePressureMaps::memory_bytes() const noexcept {
 
 void SubsurfacePressureMaps::read(const TaxelView& taxels, const RecordedMaps& maps,
                                   double normal_n) noexcept {
+  frame_ = {};
   smooth(maps);
   today_ = at(normal_n);
   const std::span<float> x = std::span(read_pa_).first(taxels_),
@@ -56,15 +57,15 @@ void SubsurfacePressureMaps::read(const TaxelView& taxels, const RecordedMaps& m
   std::fill(pressure_pa_.begin(), pressure_pa_.end(), 0.0F);
   add_maps(pressure_pa_, 1, maps, today_, RecordedMaps::normal);
   const auto count = static_cast<double>(taxels_);
-  map_pa2_ = taxel_dot(pressure_pa_, pressure_pa_) / count;
+  frame_.map_pa2 = taxel_dot(pressure_pa_, pressure_pa_) / count;
   find_ways();
   taxel_vector(std::span(pressure_pa_)) =
       taxel_vector(std::span(taxels.normal_pa, taxels_)) - taxel_vector(std::span(pressure_pa_));
   const double share = noise_share(today_);
-  pressing_share_ = share / (1 + share);
-  shear_pa2_ = 0.5 * (noise_of(x) + noise_of(y));
-  normal_pa2_ = noise_of(pressure_pa_) / (1 + share);
-  map_pa2_ -= share * normal_pa2_;
+  frame_.pressing_share = share / (1 + share);
+  frame_.shear_pa2 = 0.5 * (noise_of(x) + noise_of(y));
+  frame_.normal_pa2 = noise_of(pressure_pa_) / (1 + share);
+  frame_.map_pa2 -= share * frame_.normal_pa2;
   weigh_pressure(maps, normal_n);
   multiply(maps);
   for (std::size_t i = 0; i < trials_.size(); ++i) {
@@ -105,9 +106,9 @@ SubsurfacePressureMaps::Pull SubsurfacePressureMaps::pull(std::size_t trial) con
   const double friction2 = out.x * out.x + out.y * out.y;
   if (friction2 > 0)
     out.square_pa2 = (out.x * out.x * of.xx + 2 * out.x * out.y * of.xy + out.y * out.y * of.yy) / friction2;
-  out.residual_pa2 = std::max(0.0, square_pa2_ - (out.x * bx + out.y * by));
-  const double maps_part = friction2 * map_noise_pa2() / values_ * of.noise_share;
-  out.noise_pa2 = std::max(shear_pa2_ + maps_part, std::numeric_limits<double>::min());
+  out.residual_pa2 = std::max(0.0, frame_.square_pa2 - (out.x * bx + out.y * by));
+  const double maps_part = friction2 * map_noise_pa2() / frame_.values * of.noise_share;
+  out.noise_pa2 = std::max(frame_.shear_pa2 + maps_part, std::numeric_limits<double>::min());
   out.map_share = maps_part / out.noise_pa2;
   return out;
 }
@@ -149,10 +150,10 @@ bool SubsurfacePressureMaps::superpose(const RecordedMaps& maps, double normal_n
   JaegerDecomposition::Read sums{.products = {},
                                  .noise_shares = {},
                                  .sensed = {},
-                                 .shear_pa2 = shear_square_pa2_,
+                                 .shear_pa2 = frame_.shear_square_pa2,
                                  .values = static_cast<double>(2 * taxels_),
-                                 .noise_pa2 = std::max(shear_pa2_, std::numeric_limits<double>::min()),
-                                 .map_noise_pa2 = 0.5 * normal_pa2_ * ratio_.noise_gain()};
+                                 .noise_pa2 = std::max(frame_.shear_pa2, std::numeric_limits<double>::min()),
+                                 .map_noise_pa2 = 0.5 * frame_.normal_pa2 * ratio_.noise_gain()};
   for (std::size_t i = 0; i < terms.size(); ++i) {
     terms[i] = at(JaegerDecomposition::kShares[i] * normal_n);
     const auto row = static_cast<Eigen::Index>(i);
@@ -188,10 +189,11 @@ double SubsurfacePressureMaps::unlike(const RecordedMaps& maps, const Weights& s
   add_maps(pressure_pa_, -friction_x, maps, slipping, RecordedMaps::shear_x);
   add_maps(pressure_pa_, -friction_y, maps, slipping, RecordedMaps::shear_y);
   const double noise_pa2 =
-      normal_pa2_ * (1 + noise_share(today_)) +
-      (friction_x * friction_x + friction_y * friction_y) * shear_pa2_ * noise_share(slipping);
+      frame_.normal_pa2 * (1 + noise_share(today_)) +
+      (friction_x * friction_x + friction_y * friction_y) * frame_.shear_pa2 * noise_share(slipping);
   const double off_pa2 = taxel_dot(pressure_pa_, pressure_pa_) / static_cast<double>(taxels_);
-  return map_pa2_ > 0 ? (off_pa2 - noise_pa2) / map_pa2_ : std::numeric_limits<double>::infinity();
+  return frame_.map_pa2 > 0 ? (off_pa2 - noise_pa2) / frame_.map_pa2
+                            : std::numeric_limits<double>::infinity();
 }
 
 TaxelView SubsurfacePressureMaps::without_pull(const RecordedMaps& maps) noexcept {
@@ -218,7 +220,7 @@ void SubsurfacePressureMaps::deepen(const RecordedMaps& maps, std::size_t trial,
     taxel_vector(y) += sign * (qx * taxel_vector(xy) + qy * taxel_vector(yy));
     taxel_vector(nx) = qx * taxel_vector(nx) + qy * taxel_vector(ny);
     without_ways(nx);
-    taxel_vector(normal) += sign * static_cast<float>(pressure_weight_) * taxel_vector(nx);
+    taxel_vector(normal) += sign * static_cast<float>(frame_.pressure_weight) * taxel_vector(nx);
   };
   // Towards the nominal depth where the other way is out of reach; the change is the same, with its sign.
   const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;

@@ -54,13 +54,13 @@ class SubsurfacePressureMaps {
   // nats, by one more difference of maps.
   double history_gain(std::size_t trial, const Pull& pull) const noexcept;
   // Sum of squares of what was read, Pa^2, and of the shear alone, which is two values a taxel.
-  double square_pa2() const noexcept { return square_pa2_; }
-  double shear_square_pa2() const noexcept { return shear_square_pa2_; }
+  double square_pa2() const noexcept { return frame_.square_pa2; }
+  double shear_square_pa2() const noexcept { return frame_.shear_square_pa2; }
   // The part of their noise that what pressing is sensed as has, and so each frame alike; 0 … 1.
-  double pressing_share() const noexcept { return pressing_share_; }
+  double pressing_share() const noexcept { return frame_.pressing_share; }
   // How many values are in the first sum, and the variance of the noise of each, Pa^2.
-  double values() const noexcept { return values_; }
-  double shear_pa2() const noexcept { return shear_pa2_; }
+  double values() const noexcept { return frame_.values; }
+  double shear_pa2() const noexcept { return frame_.shear_pa2; }
   // The variance of that noise is itself measured, on differences that have neighbours in common: a mean
   // square varies by so much more than one of as many independent values.
   static constexpr double kOfMeasuredNoise = 4.8;
@@ -127,8 +127,8 @@ class SubsurfacePressureMaps {
   double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
   // What the noise of a map of one frame adds to the products of what pulls are sensed as.
   double map_noise_pa2() const noexcept {
-    return static_cast<double>(taxels_) * normal_pa2_ *
-           (ratio_.noise_gain() + pressure_weight_ * ratio_.pressing_gain());
+    return static_cast<double>(taxels_) * frame_.normal_pa2 *
+           (ratio_.noise_gain() + frame_.pressure_weight * ratio_.pressing_gain());
   }
   void gather(const ProductsOfSlots& from, const RecordedMaps& maps, Pulls& out) const noexcept;
   void find_ways() noexcept;
@@ -156,25 +156,29 @@ class SubsurfacePressureMaps {
   Square inverse_;              // of the covariance
   Pulls sensed_as_shear_, sensed_as_pressure_;
 
+  // Whether a map was made of a frame with a pull: pressure then says no more of the pull than it did there.
+  bool pulled_ = false;
+
   // Of the frame.
   // Both components of the shear, less what pressing is sensed as; then the pressure, less today's map and
-  // all ways that it may have changed without a pull, times pressure_weight_.
+  // all ways that it may have changed without a pull, times frame_.pressure_weight.
   std::vector<float> read_pa_;
   std::vector<float> pressure_pa_;  // less today's map
   // How today's map changes if it moves along x or y, or grows: kWays orthogonal vectors of length 1.
   static constexpr std::size_t kWays = 3;
   std::vector<float> ways_;
   std::vector<float> scratch_;
-  double pressure_weight_ = 0;  // of squares of the pressure, in sums with those of the shear
-  // Whether a map was made of a frame with a pull: pressure then says no more of the pull than it did there.
-  bool pulled_ = false;
-  double values_ = 0;                             // number of independent values in read_pa_
-  Pulls pulls_;                                   // of both, weighted
-  double square_pa2_ = 0, shear_square_pa2_ = 0;  // of read_pa_, and of the shear in it
-  double shear_pa2_ = 0, normal_pa2_ = 0;         // variances of noise
-  double pressing_share_ = 0;
-  double map_pa2_ = 0;  // mean square of today's map
-  Weights today_;       // the map of its force
+  struct ThisFrame {
+    double pressure_weight = 0;  // of squares of the pressure, in sums with those of the shear
+    double values = 0;           // number of independent values in read_pa_
+    double square_pa2 = 0, shear_square_pa2 = 0;  // of read_pa_, and of the shear in it
+    double shear_pa2 = 0, normal_pa2 = 0;         // variances of noise
+    double pressing_share = 0;
+    double map_pa2 = 0;  // mean square of today's map
+  };
+  ThisFrame frame_;
+  Pulls pulls_;    // of both, weighted
+  Weights today_;  // the map of its force
   // Of each trial: the difference of maps, its noise, and its products with noise taken off.
   struct Slipping {
     Weights weights;

@@ -32,28 +32,29 @@ FrictionPlateau::FrictionPlateau(const TaxelLayout& layout, const FrictionPlatea
 
 // |q| of noise alone is not 0: its square is larger by that of both components.
 void FrictionPlateau::collect(const ContactPatch& patch) noexcept {
-  noise_normal_pa_ = patch.noise_normal_pa;
-  noise_shear_pa_ = patch.noise_shear_pa;
-  const double least_pa = std::max(options_.least_sigmas * noise_normal_pa_,
+  frame_.noise_normal_pa = patch.noise_normal_pa;
+  frame_.noise_shear_pa = patch.noise_shear_pa;
+  const double least_pa = std::max(options_.least_sigmas * frame_.noise_normal_pa,
                                    options_.least_share * static_cast<double>(patch.peak_pa));
-  const RatioTest test{.least_pa = static_cast<float>(least_pa),
-                       .rectified_pa2 = static_cast<float>(2 * noise_shear_pa_ * noise_shear_pa_)};
+  const RatioTest test{
+      .least_pa = static_cast<float>(least_pa),
+      .rectified_pa2 = static_cast<float>(2 * frame_.noise_shear_pa * frame_.noise_shear_pa)};
   const std::size_t every = rows_ ? (patch.count + options_.most_taxels - 1) / options_.most_taxels : 1;
   const RatioSums sums = kernels_.ratios(patch.taxels, patch.runs, std::max<std::size_t>(1, every), test,
                                          pressure_pa_.data(), ratio_.data());
-  stored_ = sums.stored;
-  count_ = sums.taxels;
-  normal_pa_ = sums.normal_pa;
+  frame_.stored = sums.stored;
+  frame_.count = sums.taxels;
+  frame_.normal_pa = sums.normal_pa;
 }
 
 // The ratio below which start_share of the load is, within half a step.
 double FrictionPlateau::start() const noexcept {
-  const double wanted_pa = options_.start_share * normal_pa_;
+  const double wanted_pa = options_.start_share * frame_.normal_pa;
   double low = 0, high = kMostRatio;
   while (high - low > kStartStep) {
     const double middle = (low + high) / 2;
     const double below_pa =
-        kernels_.below(pressure_pa_.data(), ratio_.data(), stored_, static_cast<float>(middle));
+        kernels_.below(pressure_pa_.data(), ratio_.data(), frame_.stored, static_cast<float>(middle));
     (below_pa > wanted_pa ? high : low) = middle;
   }
   return (low + high) / 2;
@@ -61,8 +62,8 @@ double FrictionPlateau::start() const noexcept {
 
 // A ratio's variance is (sigma_q^2 + ratio^2 sigma_p^2)/p^2, and that of gains.
 PlateauTest FrictionPlateau::test_about(double ratio) const noexcept {
-  const double noise_pa2 =
-      noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
+  const double noise_pa2 = frame_.noise_shear_pa * frame_.noise_shear_pa +
+                           ratio * ratio * frame_.noise_normal_pa * frame_.noise_normal_pa;
   return {.ratio = static_cast<float>(ratio),
           .noise_pa2 = static_cast<float>(noise_pa2),
           .gain = static_cast<float>(options_.gain_share * options_.gain_share * ratio * ratio),
@@ -74,13 +75,15 @@ FrictionPlateau::Plateau FrictionPlateau::find_plateau() const noexcept {
   double ratio = start(), last = ratio;
   for (int step = 0; step < options_.most_steps; ++step) {
     last = ratio;
-    const PlateauSums sums = kernels_.near(pressure_pa_.data(), ratio_.data(), stored_, test_about(last));
+    const PlateauSums sums =
+        kernels_.near(pressure_pa_.data(), ratio_.data(), frame_.stored, test_about(last));
     if (sums.taxels < options_.least_taxels) return {};
     ratio = last + sums.off / sums.weight;
     if (!(ratio > 0)) return {};
     if (std::fabs(ratio - last) < options_.settled_share * last) break;
   }
-  const PlateauSums sums = kernels_.plateau(pressure_pa_.data(), ratio_.data(), stored_, test_about(last));
+  const PlateauSums sums =
+      kernels_.plateau(pressure_pa_.data(), ratio_.data(), frame_.stored, test_about(last));
   Plateau plateau{.ratio = ratio,
                   .weight = sums.weight,
                   .width = sums.width / sums.weight,
@@ -101,14 +104,14 @@ void FrictionPlateau::follow_slope(double sigmas) noexcept {
 
 Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   Reading out;
-  all_slipped_ = false;
+  frame_ = {};
   out.under_torque = true;
   out.friction_sigma = std::numeric_limits<double>::infinity();
   out.center_x_m = loaded.center_x_m;
   out.center_y_m = loaded.center_y_m;
   out.radius_m = loaded.radius_m;
   collect(loaded);
-  if (count_ < options_.least_taxels || !(loaded.normal_n > 0)) return out;
+  if (frame_.count < options_.least_taxels || !(loaded.normal_n > 0)) return out;
   const Plateau plateau = find_plateau();
   if (plateau.taxels < options_.least_taxels) return out;
   if (plateau.slope_sigma > 0) follow_slope(plateau.slope / plateau.slope_sigma);
@@ -120,8 +123,8 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   const double rounded = options_.rounded_factor * plateau.width / plateau.ratio *
                          (options_.rounded_base + out.gamma + options_.rounded_steep * square * square);
   const double sigma = std::hypot(by_noise, rounded);
-  const double slipping = plateau.normal_pa / normal_pa_;
-  all_slipped_ = slipping > options_.all_slip_share;
+  const double slipping = plateau.normal_pa / frame_.normal_pa;
+  frame_.all_slipped = slipping > options_.all_slip_share;
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
     return out;

@@ -83,7 +83,7 @@ class FrictionPlateau {
   // together. in_model is false where no plateau is seen. `turning` is set.
   Reading estimate(const ContactPatch& loaded) noexcept;
   // Whether all of the contact slipped in the last frame.
-  bool all_slipped() const noexcept { return all_slipped_; }
+  bool all_slipped() const noexcept { return frame_.all_slipped; }
   // Whether ratios fell towards the rim in the last frames: they are of taxels that stick.
   bool rising() const noexcept { return slope_.mean > options_.rising_sigmas; }
   // A new grasp.
@@ -107,11 +107,14 @@ class FrictionPlateau {
   static constexpr double kMostRatio = 4, kStartStep = kMostRatio / 512;
 
   const FrictionPlateauOptions options_;
-  double noise_normal_pa_ = 0, noise_shear_pa_ = 0, normal_pa_ = 0;
   const TorqueKernels& kernels_;
-  const bool rows_;                     // each run of taxels is of one row
-  std::size_t stored_ = 0, count_ = 0;  // values in the lists, taxels that count
-  bool all_slipped_ = false;
+  const bool rows_;  // each run of taxels is of one row
+  struct ThisFrame {
+    double noise_normal_pa = 0, noise_shear_pa = 0, normal_pa = 0;
+    std::size_t stored = 0, count = 0;  // values in the lists, taxels that count
+    bool all_slipped = false;
+  };
+  ThisFrame frame_;
   struct MeanSlope {
     double mean = 0, frames = 0;  // in standard deviations; that were averaged
   };

@@ -33,7 +33,7 @@ Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPull
   if (!slips_anew(reading, loaded.normal_n)) {
     reading.in_model = false;
     reading.load_fallen = true;
-  } else if (path_now_.straight && (!reading.in_model || reading.gamma > kRoundedGamma)) {
+  } else if (frame_.path.straight && (!reading.in_model || reading.gamma > kRoundedGamma)) {
     const Reading by_moments = moments_.estimate(loaded, pull);
     if (!reading.in_model || (by_moments.in_model && by_moments.sigma < reading.sigma &&
                               std::fabs(by_moments.gamma - reading.gamma) <

@@ -26,7 +26,7 @@ class TorqueReading {
 
   // Each frame in contact, first. friction: as far as it is known, > 0.
   void follow(const ContactPatch& patch, const EquivalentPullResult& pull, double friction) noexcept {
-    path_now_ = path_.follow(patch, pull, friction);
+    frame_ = {.path = path_.follow(patch, pull, friction)};
   }
   // Whether a torque changes this frame's field, or has left traction in it: no method for pulls reads it.
   // Called once for each frame that has a shape.
@@ -41,13 +41,16 @@ class TorqueReading {
   // Whether the plateau of a frame is one of taxels that slip, not of such that stick again.
   virtual bool slips_anew(const Reading& plateau, double normal_n) noexcept = 0;
   const FrictionPlateau& slipping() const noexcept { return slipping_; }
-  const TorquePathState& path() const noexcept { return path_now_; }
+  const TorquePathState& path() const noexcept { return frame_.path; }
 
  private:
   FrictionPlateau slipping_;
   TorqueMomentRatio moments_;
   TorquePath path_;
-  TorquePathState path_now_;
+  struct ThisFrame {
+    TorquePathState path;
+  };
+  ThisFrame frame_;
 };
 
 // Each frame for itself: settings without tracking.
