@@ -106,7 +106,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
-  const auto [ratio, sigma] = frame_.now;
+  const double ratio = frame_.now.mean, sigma = frame_.now.sigma;
   const auto even_since = [&](const Plateau& since) {
     return std::fabs(ratio - since.load.ratio) <
                options_.plateau * since.load.ratio + options_.plateau_sigmas * sigma &&
