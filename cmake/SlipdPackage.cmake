@@ -21,6 +21,8 @@ endif()
 set(SLIPD_MAINTAINER "${slipd_packager}" CACHE STRING "Maintainer of the Debian packages: NAME <ADDRESS>")
 
 # Debian's own papers of a package: copyright and changelog.
+execute_process(COMMAND date --utc --rfc-email --date ${SLIPD_RELEASED}T12:00:00Z OUTPUT_VARIABLE slipd_released_at OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
 configure_file(${slipd_packaging}/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
 execute_process(COMMAND gzip -9nc ${PROJECT_BINARY_DIR}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
 execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)

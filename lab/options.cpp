@@ -40,7 +40,7 @@ void add_sides_option(CLI::App& command, std::vector<std::size_t>& sides) {
 void add_methods_option(CLI::App& command, std::vector<std::string>& methods) {
   command.add_option("--methods", methods, "methods of the estimators")
       ->delimiter(',')
-      ->check(CLI::IsMember(method_choices()))
+      ->check(CLI::IsMember(slipd::method_choices()))
       ->capture_default_str();
 }
 

@@ -9,13 +9,13 @@ namespace slipd {
 
 std::size_t sensor_index(const nlohmann::json& name, const Board& board) {
   if (!name.is_string()) throw rpc::Error(rpc::kInvalidParams, "a sensor is named by a string");
+  const auto& wanted = name.get_ref<const std::string&>();
   std::string known;
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
-    if (board.sensors[i]->name == name) return i;
+    if (board.sensors[i]->name == wanted) return i;
     known += (i == 0 ? "" : ", ") + board.sensors[i]->name;
   }
-  throw rpc::Error(rpc::kUnknownSensor,
-                   "there is no sensor \"" + name.get<std::string>() + "\"; there are: " + known);
+  throw rpc::Error(rpc::kUnknownSensor, "there is no sensor \"" + wanted + "\"; there are: " + known);
 }
 
 std::size_t required_sensor(const nlohmann::json& params, const Board& board) {

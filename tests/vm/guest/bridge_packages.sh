@@ -1,8 +1,8 @@
-# The programs that carry slipd's estimates elsewhere, from their packages and as they are installed: an administrator enables them,
+# The programs beside slipd (slipd-camera, which needs much of OpenCV, is tried by tests/packages/installed), from their packages and as they are installed: an administrator enables them,
 # each serves what slipd says, goes on while slipd is away, is restarted after a crash and an upgrade, and is gone after a purge.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
-bridges=(modbus mqtt ros2 web)
+bridges=(feed grip modbus mqtt ros2 web)
 units=("${bridges[@]/#/slipd-}")
 web() { python3 -c 'import sys, urllib.request as u; print(u.urlopen("http://127.0.0.1:8077" + sys.argv[1], timeout=5).read().decode())' "$1"; }
 registers() {  # FIRST COUNT: the words that a PLC reads
@@ -38,6 +38,9 @@ for unit in "${units[@]}"; do
   same "$unit is no user of this system" "$(stat -c %U "/proc/$(property MainPID $unit)" | grep -c '^root$\|^slipd$' || true)" 0
 done
 
+same "slipd-grip moves nothing as installed" "$(grep -c '"dry_run": true' /etc/slipd/grip.json)" 1
+awaits "a member of the group asks slipd-grip" eval 'as alice slipd-grip status | grep -q state'
+refused "nobody else does" as mallory slipd-grip status
 awaits "the page is served" eval 'web / | grep -q "<title>"'
 awaits "a PLC reads a margin in state ok" eval 'read -r state frame gamma < <(registers 16 3) && [[ $state == 0 ]]'
 ((gamma <= 10000)) || fail "a margin in state ok is none: $gamma"
@@ -71,6 +74,7 @@ done
 
 by_apt purge "${units[@]}"
 for unit in "${units[@]}"; do refused "$unit does not run" systemctl -q is-active $unit; done
-same "purged, nothing of them is left" "$(find /usr /etc /var/lib -name 'slipd-mqtt*' -o -name 'slipd-web*' -o -name 'slipd-modbus*' -o -name 'slipd-ros2*' \
-  | grep -v /dpkg/ || true)" ""
+left=()
+for name in "${bridges[@]}"; do left+=(-o -name "slipd-$name*" -o -path "/etc/slipd/$name.json"); done
+same "purged, nothing of them is left" "$(find /usr /etc /var/lib -false "${left[@]}" | grep -v /dpkg/ || true)" ""
 same "slipd stays" "$(systemctl is-active slipd)" active
