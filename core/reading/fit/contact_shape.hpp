@@ -68,7 +68,8 @@ class ContactShape {
   // As nominal; a depth below or above by a factor of 2 at most may be evaluated.
   double depth_m() const noexcept { return depth_m_; }
 
-  // The taxels within `reach` about the patch's centre (all of a layout of at most all_below taxels).
+  // A new frame: the taxels within `reach` about the patch's centre (all of a layout of at most all_below
+  // taxels). Its noise is 1 Pa until set_noise.
   void collect(const ContactPatch& patch, const contact::Ellipse& reach, std::size_t all_below) noexcept;
   // All taxels, and no pressure or shear on them.
   void collect_nothing() noexcept;

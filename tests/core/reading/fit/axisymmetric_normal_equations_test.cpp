@@ -177,8 +177,8 @@ class AxesTrial {
     for (auto* channel : {&p_, &x_, &y_}) {
       for (float& value : *channel) value += peak * normal(random);
     }
-    model_.set_noise({noise * peak, noise * peak});
     model_.collect(finder_.find({1, 1, p_, x_, y_}), {0.006, 0.006, 0}, 0);
+    model_.set_noise({noise * peak, noise * peak});
     at_ = ContactShape::Full::Zero();
     at_[ContactShape::center_x] = 0.0004;
     at_[ContactShape::center_y] = -0.0007;
