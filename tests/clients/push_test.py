@@ -340,7 +340,7 @@ class SlidingScenarios(Scenarios):
 
 class Gel(Scenarios, unittest.TestCase):
     make = slipd.Source
-    skin = {"layout": {"grid": [7, 9], "pitch_mm": 1.8}}
+    skin = {"layout": {"grid": [9, 7], "pitch_mm": 1.8}}
 
     def pressed(self, by_mm):
         """A function that gives frames of a gel that something presses outwards; with a dot's noise."""

@@ -321,7 +321,7 @@ class GelPage(PageCase):
 
     @classmethod
     def setUpClass(cls):
-        sensor = {"name": "gel", "driver": "push", "rate_hz": 25, "stale_after_ms": 5000, "layout": {"grid": [7, 9], "pitch_mm": 1.8}, "options": {"unit": "mm"}}
+        sensor = {"name": "gel", "driver": "push", "rate_hz": 25, "stale_after_ms": 5000, "layout": {"grid": [9, 7], "pitch_mm": 1.8}, "options": {"unit": "mm"}}
         cls.bed = Bed(of_trials(sensor))
         cls.browser = browser()
         cls.ended = threading.Event()
