@@ -2,6 +2,7 @@
 told to open, no force is above the limit, none falls in the dark, and the journal tells.  killed_test.py [TIMES]"""
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -204,6 +205,23 @@ class Killed(unittest.TestCase):
             first = next(one for one in self.bed.gripper.orders[heard:] if one["order"] == "grip")
             self.assertGreaterEqual(first["force_n"], FIRM_N, "what it held before is not known: nothing less is safe")
         self.judge()
+
+    def watched(self):
+        """What is written on the last screen of slipctl watch, without spaces."""
+        picture = self.bed.at("watch.svg")
+        subprocess.run([BIN + "/slipctl", "--socket", self.bed.at("slipd.sock"), "watch", "--seconds", "0.1", "--picture", picture,
+                        "--grip", self.bed.at("orders.sock")], check=True, stdout=subprocess.DEVNULL)
+        with open(picture, encoding="utf-8") as file:
+            return "".join(re.findall(">(.)</text>", file.read()))
+
+    def test_slipctl_watch_shows_what_it_does(self):
+        self.assertIn("Nafinger", self.watched())
+        self.bed.gripper.kill()
+        await_true(lambda: (self.bed.status() or {}).get("state") == "cut off", "slipd-grip to see it")
+        self.assertIn("cutoff", self.watched())
+        self.bed.gripper.restart()
+        self.bed.kill("grip")
+        self.assertNotIn("Nafinger", self.watched())
 
     def test_opens_on_the_order_to(self):
         self.bed.order("open")

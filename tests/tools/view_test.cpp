@@ -107,6 +107,19 @@ TEST(View, ShowsGraspsBelowTheirSensors) {
   EXPECT_THAT(screen(state), HasSubstr("learning"));
 }
 
+TEST(View, ShowsWhatSlipdGripDoesInTheLastRow) {
+  WatchState state = watch_sample(2);
+  state.grasps = {*state.sensors[0].latest};
+  state.grip =
+      GripWatch{.state = "tightening", .why = "margin low", .force_n = 8.25, .width_mm = 41, .trouble = ""};
+  const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
+  EXPECT_THAT(canvas.row_text(23),
+              AllOf(HasSubstr("slipd-grip"), HasSubstr("tightening"), HasSubstr("8.2 N a finger"),
+                    HasSubstr("41.0 mm wide"), HasSubstr("(margin low)")));
+  state.grip->trouble = "does not answer";
+  EXPECT_THAT(screen(state), HasSubstr("does not answer"));
+}
+
 TEST(View, MarksTheSimulatedOnesOnly) {
   WatchState state = watch_sample(1);
   state.sensors[0].info.simulated = false;

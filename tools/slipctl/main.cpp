@@ -155,6 +155,10 @@ void add_watch(CLI::App& app, Choices& choices) {
       ->add_option("--rate", watching.lines_per_s,
                    "lines per second and sensor, where stdout is not a terminal; default: 5")
       ->check(CLI::Range(0.1, 100000.0));
+  command
+      ->add_option("--grip", watching.grip,
+                   "slipd-grip's socket for orders; what it does is shown where it runs")
+      ->capture_default_str();
   command->add_flag("--plain", watching.plain, "lines even on a terminal");
   command->add_flag("--summary", watching.summary, "print statistics of every estimate at the end");
   command->add_flag("--expect-slip", watching.expect_slip, "exit with 1 if no slip was seen");

@@ -167,6 +167,20 @@ void draw_grasp(Canvas& canvas, int row, const EstimateValues& grasp) {
   text_up_to(canvas, canvas.columns(), row, " " + alert_text(grasp) + " ", alert_style(grasp.alert));
 }
 
+// One row: what slipd-grip does, why, and with what force.
+void draw_grip(Canvas& canvas, int row, const GripWatch& grip) {
+  constexpr int kNameColumns = 14;
+  canvas.text(0, row, "slipd-grip", kStrong, kNameColumns - 1);
+  std::string text = grip.state;
+  if (grip.force_n) text += "  " + fixed(grip.force_n, 1, "N a finger");
+  if (grip.width_mm) text += "  " + fixed(grip.width_mm, 1, "mm wide");
+  const bool well = grip.trouble.empty();
+  if (well && !grip.why.empty()) text += "  (" + grip.why + ")";
+  if (!well) text += "  gripper: " + grip.trouble;
+  canvas.text(kNameColumns, row, text, well ? kPlain : Style{kYellow, std::nullopt, true},
+              canvas.columns() - kNameColumns);
+}
+
 }  // namespace
 
 Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth depth) {
@@ -181,9 +195,11 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
   const int sensors = static_cast<int>(state.sensors.size());
   if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");
   // A sensor needs two rows; the last row counts the sensors without room.
-  const int grasps =
-      std::min(static_cast<int>(state.grasps.size()), std::max(0, canvas.rows() - 1 - 2 * sensors));
-  const int space = canvas.rows() - 1 - grasps;
+  const int spare = std::max(0, canvas.rows() - 1 - 2 * sensors);
+  const int grip = state.grip && spare > 0 ? 1 : 0;
+  const int grasps = std::min(static_cast<int>(state.grasps.size()), spare - grip);
+  const int space = canvas.rows() - 1 - grasps - grip;
+  if (grip > 0) draw_grip(canvas, canvas.rows() - 1, *state.grip);
   for (int i = 0; i < grasps; ++i)
     draw_grasp(canvas, 1 + space + i, state.grasps[static_cast<std::size_t>(i)]);
   const int shown = 2 * sensors <= space ? sensors : std::max(0, (space - 1) / 2);

@@ -188,6 +188,7 @@ class Watcher {
       next_count_ = now + kCountEvery;
     }
     if (terminal_) {
+      state_.grip = ask_grip(options_.grip);
       if (client_) {
         take_frames();
         state_.grasps = grasps_from(client_->call("gamma"));
@@ -243,6 +244,7 @@ class Watcher {
   }
 
   void take_picture() {
+    state_.grip = ask_grip(options_.grip);
     if (client_) {
       take_frames();
       state_.grasps = grasps_from(client_->call("gamma"));

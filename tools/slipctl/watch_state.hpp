@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/slipctl/grip_watch.hpp"
 #include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
@@ -33,6 +34,7 @@ struct WatchState {
   double elapsed_s = 0;              // since the watch began
   std::vector<SensorWatch> sensors;  // those that are watched
   std::vector<EstimateValues> grasps;
+  std::optional<GripWatch> grip;  // absent: no slipd-grip runs here
 };
 
 // Stores an estimate as the latest one and in the history. Ignores sensors that are not watched.
