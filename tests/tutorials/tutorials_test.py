@@ -82,6 +82,13 @@ class Tutorial(unittest.TestCase):
         self.lists_the_sensor("simulator.md")
         self.prints(blocks("simulator.md", "text")[1], [sys.executable, SOURCE / "examples/gripper.py", "left", self.socket, f"{self.folder}/grip"])
 
+    def test_mujoco_holds_an_object(self):
+        laboratory = BUILD / "bin/slipd-lab"
+        if not laboratory.exists() or subprocess.run([laboratory, "grip", "--help"], capture_output=True).returncode != 0:
+            self.skipTest("slipd-lab is built without MuJoCo here")
+        command = blocks("simulator.md", "sh")[-1].split()
+        self.prints(blocks("simulator.md", "text")[2], [laboratory, *command[1:]])
+
     def test_a_program_pushes_frames_and_gets_an_alert(self):
         self.starts("program.md")
         self.runs_the_program("program.md", blocks("program.md", "text")[0])
