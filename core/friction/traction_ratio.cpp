@@ -13,14 +13,15 @@ constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without s
 
 void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const MeanSigma ratio{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
-  const bool first = state_.line.frames == 0;
-  const double gain = first ? 1 : options_.mean_gain;
+  // The first frame, and each of a sensor without noise, stands for itself.
+  const bool alone = state_.line.frames == 0 || !(ratio.sigma > 0);
+  const double gain = alone ? 1 : options_.mean_gain;
   state_.mean += gain * (ratio.mean - state_.mean);
   state_.normal_n += gain * (patch.normal_n - state_.normal_n);
   state_.shear.x_n += gain * (patch.shear_x_n - state_.shear.x_n);
   state_.shear.y_n += gain * (patch.shear_y_n - state_.shear.y_n);
   const double residual = ratio.mean - (state_.level + state_.line.slope);
-  const bool begins = first || !(std::fabs(residual) < options_.jump_sigmas * ratio.sigma);
+  const bool begins = alone || !(std::fabs(residual) < options_.jump_sigmas * ratio.sigma);
   frame_ = {.now = begins ? restart_line(ratio) : extend_line(residual, ratio.sigma),
             .sigma = ratio.sigma,
             .normal_sigma_n = options_.mean_sigma * patch.normal_sigma_n};

@@ -113,6 +113,9 @@ class SensorStatus {
   // Without a frame for this long, ns, an estimate is stale. Written by one thread: estimate, when it learns
   // the device's rate. Relaxed: an independent value.
   std::atomic<std::int64_t> stale_after_ns{20'000'000};
+  // Until then, ns of CLOCK_MONOTONIC, the robot lets go of the object, as a client has said. Written by one
+  // thread: io. Relaxed: an independent value.
+  std::atomic<std::int64_t> releasing_until_ns{0};
   // Written by one thread: acquire, with release. A reader with acquire (EstimateLoop::process,
   // can::CanSource::view_at) also sees the frames delivered before. Readers that only show it use relaxed.
   std::atomic<DeviceLink> link{DeviceLink::opening};

@@ -105,6 +105,8 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   state.no_data = false;
   Published& published = state.published;
   const Frame frame = slot.view();
+  state.instance->chain.set_releasing(
+      now_ns < state.runtime->status.releasing_until_ns.load(std::memory_order_relaxed));
   published.estimate = state.instance->chain.estimate(frame);
   if (state.instance->chain.repeats()) state.runtime->status.repeated.fetch_add(1, std::memory_order_relaxed);
   published.estimate.sequence = slot.sequence;

@@ -6,6 +6,7 @@
 #include "daemon/can/dbc.hpp"
 #include "daemon/rpc/attach_request.hpp"
 #include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/releasing_request.hpp"
 #include "daemon/rpc/request_params.hpp"
 #include "daemon/rpc/status.hpp"
 #include "daemon/telemetry/metrics.hpp"
@@ -59,6 +60,7 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
   serve("rebias", [this](Client& client, const Params& params, const Reply& reply) {
     rebias_.add(client, params, reply);
   });
+  plain("releasing", [this](const Params& params) { return releasing(params, context_.board); });
   serve("frame", [this](Client& client, const Params& params, const Reply& reply) {
     frames_.add(client, params, reply);
   });

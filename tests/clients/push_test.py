@@ -338,6 +338,63 @@ class SlidingScenarios(Scenarios):
         self.assertLessEqual(states, {"unzeroed", "stale", "fault", "learning"})
 
 
+class Gel(Scenarios, unittest.TestCase):
+    make = slipd.Source
+    skin = {"layout": {"grid": [9, 7], "pitch_mm": 1.8}}
+
+    def pressed(self, by_mm):
+        """A function that gives frames of a gel that something presses outwards; with a dot's noise."""
+        def frame():
+            values = []
+            for row in range(7):
+                for column in range(9):
+                    x, y = 1.8 * (column - 4), 1.8 * (row - 3)
+                    each = by_mm / 2 * math.exp(-(x * x + y * y) / 8)
+                    values.append([each * x + self.noise.gauss(0, 0.0025), each * y + self.noise.gauss(0, 0.0025), 0.0])
+            return values
+        return frame
+
+    def hold(self, source):
+        self.push_until(source, self.pressed(0), lambda sensor: sensor["received"] > 40, "a gel at rest")
+        held = self.sensor()["received"] + 40
+        self.push_until(source, self.pressed(0.1), lambda sensor: sensor["contact"] and sensor["received"] > held, "a gel that holds something")
+
+    def setUp(self):
+        super().setUp()
+        self.noise = random.Random(1)
+
+    def sensor(self):
+        return {**super().sensor(), **self.client.call("gamma")["sensors"][0]}
+
+    def test_that_relaxes_is_a_slip_unless_the_robot_says_that_it_lets_go_and_then_only_for_a_while(self):
+        with self.source(unit="mm", taxels=63, zeroed=True) as source:
+            self.hold(source)
+            self.assertEqual(self.client.call("releasing", {"seconds": 60}), {"sensors": ["left"], "seconds": 60})
+            let_go, alerts = self.sensor()["received"] + 60, set()
+
+            def silent(sensor):
+                alerts.add(sensor["alert"])
+                return sensor["alert"] == "unknown" and sensor["sliding"] is None and sensor["received"] > let_go
+            self.push_until(source, self.pressed(0), silent, "silence while the robot lets go")
+            self.assertNotIn("slip", alerts)
+
+            self.client.call("releasing", {"sensor": "left", "seconds": 0})
+            self.hold(source)
+            self.push_until(source, self.pressed(0), lambda sensor: sensor["alert"] == "slip", "the next slip")
+
+    def test_silence_has_an_end_and_is_for_gels(self):
+        for seconds in (-1, 61, "2", None):
+            with self.assertRaisesRegex(slipd.SlipdError, "0 to 60"):
+                self.client.call("releasing", {"seconds": seconds})
+        with self.assertRaisesRegex(slipd.SlipdError, "no sensor here sees displacements"):
+            self.client.call("releasing", {"seconds": 1})
+        with self.source(unit="mm", taxels=63, zeroed=True) as source:
+            self.hold(source)
+            self.client.call("releasing", {"seconds": 0.2})
+            self.push_until(source, self.pressed(0.1), lambda sensor: sensor["alert"] == "unknown", "silence")
+            self.push_until(source, self.pressed(0.1), lambda sensor: sensor["alert"] == "none", "its end")
+
+
 class PythonMargins(MarginScenarios, unittest.TestCase):
     make = slipd.Source
 

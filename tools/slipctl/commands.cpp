@@ -150,4 +150,17 @@ void rebias(const CommonOptions& common, const std::string& sensor, bool force) 
     std::cerr << "slipctl: the zero is lost with the next start: " << trouble.get<std::string>() << '\n';
 }
 
+void releasing(const CommonOptions& common, const std::string& sensor, double seconds) {
+  json params{{"seconds", seconds}};
+  if (!sensor.empty()) params["sensor"] = sensor;
+  const json result = ask(common, "releasing", params);
+  if (common.json) {
+    std::cout << result.dump() << '\n';
+    return;
+  }
+  const std::string what =
+      seconds > 0 ? "no alert of slip for " + json(seconds).dump() + " s" : "alerts again";
+  for (const json& name : result["sensors"]) std::cout << name.get<std::string>() << ": " << what << '\n';
+}
+
 }  // namespace slipctl

@@ -28,6 +28,8 @@ void print_metrics(const CommonOptions& common);                           // Op
 int keep_flight(const CommonOptions& common, const std::string& sensor);
 void print_dbc(const CommonOptions& common);  // the CAN messages as a DBC file
 void rebias(const CommonOptions& common, const std::string& sensor, bool force);
+// sensor: empty: all that see displacements; seconds: 0 … 60.
+void releasing(const CommonOptions& common, const std::string& sensor, double seconds);
 
 // Reads a recording from the daemon into a file that the user may write.
 void record(const CommonOptions& common, const RecordOptions& options);

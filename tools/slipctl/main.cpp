@@ -28,6 +28,7 @@ struct Choices {
   WatchOptions watch;
   CalibrateOptions calibrate;
   bool force = false;
+  double releasing_s = 2;
   DecodeOptions decode;
   PlotOptions plot;
   ExportOptions exporting;
@@ -61,6 +62,13 @@ void add_questions(CLI::App& app, Choices& choices) {
   zero->add_option("sensor", choices.sensor)->required();
   zero->add_flag("--force", choices.force, "even if it seems to be in contact");
   zero->callback([&] { rebias(choices.common, choices.sensor, choices.force); });
+  CLI::App* release = app.add_subcommand(
+      "releasing", "the robot lets go: no alert of slip from sensors that see displacements");
+  release->add_option("sensor", choices.sensor, "only this sensor");
+  release->add_option("--seconds", choices.releasing_s, "how long from now, s; 0: no longer")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
+  release->callback([&] { releasing(choices.common, choices.sensor, choices.releasing_s); });
 }
 
 void add_record(CLI::App& app, Choices& choices) {

@@ -15,8 +15,8 @@ export class Card {
   #simulated = make("span", { class: "simulated", hidden: true }, "simulated");
   #facts = {};
 
-  // `kind`: "sensor" or "grasp"; `choose`: called to show its details, absent: there are none.
-  constructor(name, kind, choose) {
+  // `kind`: "sensor" or "grasp"; `gel`: it sees displacements, and no forces; `choose`: called to show its details, absent: there are none.
+  constructor(name, kind, gel, choose) {
     const fact = (key, label) => [make("dt", {}, label), (this.#facts[key] = make("dd"))];
     this.#number.append(this.#value, this.#sigma);
     this.button = choose ? make("button", { type: "button", "aria-pressed": "false", "aria-label": `Details of ${name}`, onclick: choose }, "Details") : null;
@@ -26,7 +26,7 @@ export class Card {
       make("div", { class: "measure" }, this.#dial.element, make("div", {}, this.#number, this.#low, this.#truth)),
       make("div", { class: "verdict" }, this.#alert, this.#state),
       make("dl", { class: "facts" }, ...fact("slides", "Sliding"), ...fact("advice", "Advice"), ...fact("soon", "Slips in"),
-        ...fact("forces", "Forces"), ...(kind === "grasp" ? fact("first", "First to slide") : fact("friction", "Friction"))),
+        ...fact("forces", gel ? "Surface" : "Forces"), ...(kind === "grasp" ? fact("first", "First to slide") : fact("friction", "Friction"))),
       this.button ? make("div", { class: "bar" }, this.button) : null);
     this.element.tabIndex = -1;
   }
@@ -62,6 +62,8 @@ export class Card {
   }
 
   #forces(estimate) {
+    if (isNumber(estimate.displacement_mm))
+      return `${fixed(estimate.displacement_mm, 2, "mm")} from rest${estimate.contact ? ", in contact" : ""}`;
     if (!isNumber(estimate.normal_n)) return "–";
     const torque = isNumber(estimate.torque_nmm) ? `, ${fixed(estimate.torque_nmm, 1, "N mm")}` : "";
     return `${fixed(estimate.normal_n, 2, "N")} normal, ${fixed(estimate.shear_n, 2, "N")} shear${torque}`;

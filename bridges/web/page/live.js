@@ -10,6 +10,7 @@ import { alertWords, stateWords, withoutFrames } from "./words.js";
 
 const kSpans = [60, 20, 5];  // s, of the history
 const kStatusMs = 3000;        // how long a status holds; there is one each second
+const kLongArrowMm = 0.1;      // the least displacement of a gel that is drawn as an arrow of full length
 
 export class LivePage {
   #cards = new Map();
@@ -141,7 +142,7 @@ export class LivePage {
     const name = nameOf(estimate);
     this.#latest.set(name, estimate);
     if (this.#cards.has(name)) return;
-    const card = new Card(name, estimate.grasp !== undefined ? "grasp" : "sensor", () => this.#choose(name));
+    const card = new Card(name, estimate.grasp !== undefined ? "grasp" : "sensor", seesDisplacement(estimate), () => this.#choose(name));
     this.#cards.set(name, card);
     this.#histories.set(name, new History());
     this.cards.append(card.element);
@@ -178,7 +179,8 @@ export class LivePage {
     this.canvas = make("canvas", { class: "map", role: "img", "aria-label": "Pressure and shear of the taxels" });
     this.map = new TaxelMap(this.canvas);
     this.caption = make("figcaption");
-    this.figure = make("figure", { class: "card" }, make("h3", {}, "Pressure and shear"), this.canvas, this.caption);
+    this.figureTitle = make("h3");
+    this.figure = make("figure", { class: "card" }, this.figureTitle, this.canvas, this.caption);
     this.margins = make("canvas", { class: "plot", role: "img", tabindex: 0, "aria-label": "Margin over time" });
     this.forces = make("canvas", { class: "plot small", role: "img", "aria-label": "Forces over time" });
     this.others = make("canvas", { class: "plot small", role: "img", "aria-label": "Torque and friction over time" });
@@ -245,11 +247,27 @@ export class LivePage {
 
   #drawMap(estimate) {
     const picture = this.#picture, now = performance.now();
+    setText(this.figureTitle, seesDisplacement(estimate) ? "Displacement of the surface" : "Pressure and shear");
+    this.canvas.setAttribute("aria-label", seesDisplacement(estimate) ? "Displacement of the surface" : "Pressure and shear of the taxels");
     if (!picture || !(now - picture.sampled <= this.#maxAge)) {
       this.map.clear();
       setText(this.caption, this.#noPicture(estimate, now));
       return;
     }
+    if (seesDisplacement(estimate)) this.#drawDisplacement(picture);
+    else this.#drawPressure(estimate, picture);
+    this.canvas.dataset.sequence = String(picture.seq);
+  }
+
+  // The frame's values are no pressures (docs/displacement.md): x and y in mm, and how much the picture has changed, of 1.
+  #drawDisplacement(picture) {
+    const peakMm = picture.peak_shear_pa, longest = Math.max(peakMm, kLongArrowMm);
+    this.map.draw(this.#layouts.get(picture.sensor),
+      { ...picture, normalScale: picture.peak_pa / 255, shearScale: peakMm / longest / 127, noise: 0 });
+    setText(this.caption, `arrows: how far the surface has moved since rest, up to ${fixed(peakMm, 2, "mm")}; bright: where the picture has changed.`);
+  }
+
+  #drawPressure(estimate, picture) {
     const loaded = picture.peak_pa > 0 && estimate.state !== "no_contact";
     const zero = this.#status?.status.sensors.find((each) => each.name === this.#chosen)?.zero;
     const noise = shearNoise(picture.peak_pa, picture.peak_shear_pa, zero?.noise_shear_pa);
@@ -257,7 +275,6 @@ export class LivePage {
       { ...picture, normalScale: loaded ? 1 / 255 : 0, shearScale: loaded ? 1 / 127 : 0, noise }, estimate);
     setText(this.caption, `peak ${fixed(picture.peak_pa / 1000, 1, "kPa")}, shear up to ${fixed(picture.peak_shear_pa / 1000, 1, "kPa")}. ` +
       "Ring: the contact; dashed: what sticks; orange arrows: what slips.");
-    this.canvas.dataset.sequence = String(picture.seq);
   }
 
   #noPicture(estimate, now) {
@@ -268,6 +285,9 @@ export class LivePage {
     return now - sampled > this.#maxAge ? `no picture: ${estimate.state} for ${age}` : "no picture: it is under way";
   }
 }
+
+// A camera that looks at a gel, or a grasp of such fingers.
+const seesDisplacement = (estimate) => estimate.displacement_mm !== undefined;
 
 const nameOf = (estimate) => estimate.grasp ?? estimate.sensor;
 

@@ -3,8 +3,11 @@
 
 SLIPD_SCREENSHOTS=FOLDER keeps pictures of the page at three widths in both themes, for whoever changes it to look at.
 """
+import itertools
 import json
+import math
 import os
+import random
 import signal
 import sys
 import threading
@@ -20,7 +23,7 @@ except ImportError:
 
 import slipd
 from awaiting import await_true
-from bed import Bed, two_fingers
+from bed import Bed, of_trials, two_fingers
 from page import PageCase, browser, missing
 
 WIDTHS = {390: 844, 1280: 900, 2560: 1440}
@@ -309,6 +312,56 @@ class Page(PageCase):
             else:
                 await_true(lambda: self.all("main .card"), page)
             self.browser.save_screenshot(str(folder / f"{page}-{name}.png"))
+
+
+class GelPage(PageCase):
+    """A camera that looks at a gel: a program pushes its displacement, in mm."""
+
+    MOVED_MM = 0.4
+
+    @classmethod
+    def setUpClass(cls):
+        sensor = {"name": "gel", "driver": "push", "rate_hz": 25, "stale_after_ms": 5000, "layout": {"grid": [9, 7], "pitch_mm": 1.8}, "options": {"unit": "mm"}}
+        cls.bed = Bed(of_trials(sensor))
+        cls.browser = browser()
+        cls.ended = threading.Event()
+        cls.pushing = threading.Thread(target=cls.push)
+        cls.pushing.start()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.ended.set()
+        cls.pushing.join()
+        cls.browser.quit()
+        cls.bed.close()
+
+    @classmethod
+    def push(cls):
+        noise = random.Random(1)
+
+        def frame(moved_mm):
+            for row in range(7):
+                for column in range(9):
+                    near = math.exp(-((column - 4) ** 2 + (row - 3) ** 2) / 4)
+                    yield from (moved_mm * near + noise.gauss(0, 0.002), noise.gauss(0, 0.002), 0.3 * near)
+        with slipd.Source("gel", taxels=63, unit="mm", rate_hz=25, zeroed=True, path=f"{cls.bed.folder}/slipd.sock") as source:
+            for picture in itertools.count():
+                source.push(list(frame(cls.MOVED_MM if picture > 50 else 0)))
+                if cls.ended.wait(0.04):
+                    return
+
+    def test_shows_how_far_the_surface_has_moved_in_mm_and_no_pressure_and_no_margin(self):
+        self.open("#/live/gel")
+        caption = lambda: self.script("return document.querySelector('figcaption').textContent")
+        await_true(lambda: f"up to {self.MOVED_MM:.2f} mm" in caption() or f"up to {self.MOVED_MM + 0.01:.2f} mm" in caption(), "the displacement")
+        self.assertNotIn("Pa", caption())
+        await_true(lambda: int(self.script("return document.querySelector('canvas.map').dataset.arrows")) > 5, "arrows")
+        card = self.all('.card[data-name="gel"]')[0]
+        self.assertRegex(card.text, r"0\.\d\d mm from rest, in contact")
+        self.assertEqual(card.find_element(By.CSS_SELECTOR, ".number span").text, "–")
+        if folder := os.environ.get("SLIPD_SCREENSHOTS"):
+            self.browser.save_screenshot(str(Path(folder) / "gel.png"))
+        self.no_errors()
 
 
 if __name__ == "__main__":
