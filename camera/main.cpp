@@ -78,8 +78,7 @@ int serve(int argc, char** argv) {
   CameraService* serving = nullptr;
   bool hears = false;
   return bridges::run_program(
-      {"slipd-camera", "Sends the displacement of a gel that a camera looks at to slipd",
-       slipd_camera_schema},
+      {"slipd-camera", "Sends slipd how far the gel in front of a camera has moved", slipd_camera_schema},
       argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
         const Profile profile = load_profile(settings["profile"], profile_folder());
         if (!std::exchange(hears, true)) loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
@@ -91,7 +90,7 @@ int serve(int argc, char** argv) {
 
 int read(int argc, char** argv) {
   CommandLine line;
-  CLI::App app{"Sends the displacement of a gel that a camera looks at to slipd", "slipd-camera"};
+  CLI::App app{"Sends slipd how far the gel in front of a camera has moved", "slipd-camera"};
   std::string config;
   app.add_option("--config", config,
                  "Serve with these settings (JSON with comments); --check-config checks them");

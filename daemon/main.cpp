@@ -84,7 +84,7 @@ int use(const std::string& config, slipd::DriverModules& drivers, bool only_chec
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"slipd tells for every tactile frame how close a gripper's object is to slipping.", "slipd"};
+  CLI::App app{"Tells for every tactile frame how close the held object is to slipping.", "slipd"};
   std::string config;
   std::string driver_dir;
   bool check = false;
@@ -92,7 +92,7 @@ int run(int argc, char** argv) {
   auto* const config_option = app.add_option("--config", config, "Configuration (JSON with comments)");
   app.add_flag("--check-config", check, "Say what is wrong with the configuration, and end")
       ->needs(config_option);
-  app.add_flag("--list-drivers", list, "Say what drivers there are and what options they take, and end");
+  app.add_flag("--list-drivers", list, "List the drivers and their options, and end");
   app.add_option("--driver-dir", driver_dir, "Folder of the driver modules")->check(CLI::ExistingDirectory);
   app.set_version_flag("--version", std::string("slipd ") + SLIPD_VERSION);
   try {

@@ -21,7 +21,7 @@ namespace slipd {
 struct PaperModule {
   // kPaperAbi of the headers that the module was built with.
   std::uint32_t abi;
-  // Of the slipd that it was built with, "0.1.0".
+  // Of the slipd that it was built with, "0.2.0".
   const char* version;
   // Where the model of this set-up is kept. Throws std::runtime_error where the environment names no place.
   std::filesystem::path (*cache_file)(const ChainSetup& setup);

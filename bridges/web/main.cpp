@@ -8,8 +8,8 @@
 
 int main(int argc, char** argv) {
   using namespace slipd;
-  const bridges::Program program{"slipd-web", "What slipd says, as a page in a browser", slipd_web_schema,
-                                 web::further_problems};
+  const bridges::Program program{"slipd-web", "Shows margins, health and recordings in a browser",
+                                 slipd_web_schema, web::further_problems};
   return bridges::run_program(program, argc, argv, [](const nlohmann::json& settings, bridges::Loop& loop) {
     return std::make_unique<web::Reader>(loop, web::settings_from(settings));
   });

@@ -102,7 +102,7 @@ struct slipd_estimate {
   double reserved[5];
 };
 
-/* "0.1.0" */
+/* Of the library, "0.2.0". */
 const char *slipd_version(void);
 
 /* Makes `*out` for the socket `path` (NULL: SLIPD_SOCKET). Connects to nothing yet; every function that needs the

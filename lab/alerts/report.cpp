@@ -61,7 +61,7 @@ std::string alerts_table(const std::vector<AlertLine>& lines) {
   std::string text =
       "| preset | frames a second | friction | holds | with an alert | with `slip` | slips | alert before "
       "the slide | "
-      "or within 30 ms or 3 frames | median alert, ms | slid until late alerts, mm | missed | answered |\n"
+      "or within 30 ms or 3 frames | median alert, ms | slid until late alerts, mm | missed | coverage |\n"
       "|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const AlertLine& line : lines) {
     std::array<char, 64> slid{};

@@ -30,7 +30,7 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
       "| fault | taxels | method | most often | reported, %% | of these named, %% | without effect, %% | "
       "frames "
       "until reported: middle, last | in state ok | "
-      "too safe by the fault | too safe without it "
+      "overestimates by the fault | overestimates without it "
       "|\n|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const FaultLine& line : lines) {
     std::printf(

@@ -73,7 +73,8 @@ void print_table(const GripSummary& s, double creep_mm_per_min) {
       s.force_over_least, s.force_over_least_known);
   std::printf("| frames of the holds with a margin | %.0f %% |\n", 100 * s.known_share);
   std::printf(
-      "| margin against the true one: mean error, claims safer by 0.2 (%zu of %zu probes have a margin) | "
+      "| margin against the true one: mean error, overestimates by more than 0.2 (%zu of %zu probes have a "
+      "margin) | "
       "%.3f, %.1f %% |\n",
       s.known_probes, s.probes, s.margin_error, 100 * s.too_safe_share);
   std::printf("| gamma_low above the true margin | %.1f %% |\n", 100 * s.low_above_truth_share);

@@ -171,7 +171,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
          << " noise'\nplot for [c=2:" << found.methods.size() + 1
          << "] 'condition.csv' using 1:c with linespoints pt 7 ps 0.5 title columnheader(c), '' using 1:"
          << found.methods.size() + 2
-         << " with lines lc rgb 'black' dt 2 title 'least possible'\n"
+         << " with lines lc rgb 'black' dt 2 title 'theoretical bound'\n"
             "set xlabel 'significant bits of a reading'\nset ylabel 'mean change of Gamma'\n"
             "set title 'Bits that matter'\nset autoscale y\nset key right top vertical\nplot for [c=2:"
          << found.methods.size() + 1
@@ -193,14 +193,15 @@ void plot_perturbations(const std::filesystem::path& folder) {
         "(strcol(1) eq '" + std::string(name_of(perturbation)) + "' && strcol(3) eq 'moments'";
     script << "set title '" << name_of(perturbation) << "'\nset xlabel '" << strength_of(perturbation)
            << "'\nplot 'adversary.csv' using " << pick
-           << " ? $2 : NaN):6 with linespoints pt 7 ps 0.5 lc rgb '#1f4e8c' title 'error of fit', '' using "
+           << " ? $2 : NaN):6 with linespoints pt 7 ps 0.5 lc rgb '#1f4e8c' title 'error of fit (left)', '' "
+              "using "
            << pick
            << " ? $2 : NaN):(100*$8*$5) axes x1y2 with linespoints pt 7 ps 0.5 lc rgb '#c0392b' title "
-              "'overestimates, %', '' using "
+              "'overestimates, % (right)', '' using "
            << pick
            << " ? $2 : NaN):(100*(1-$5)) axes x1y2 with lines dt 2 lc rgb '#7f8c8d' title 'without a margin, "
-              "%', '' using "
-           << cheap << " ? $2 : NaN):6 with lines lc rgb '#e67e22' title 'error of moments'\n"
+              "% (right)', '' using "
+           << cheap << " ? $2 : NaN):6 with lines lc rgb '#e67e22' title 'error of moments (left)'\n"
            << (f == 0 ? "set key off\n" : "");
   }
   script << "unset multiplot\n";

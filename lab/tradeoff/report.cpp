@@ -94,10 +94,12 @@ void write_fronts(const std::vector<Line>& lines, const std::filesystem::path& f
 
 std::string script(const std::vector<Line>& lines) {
   std::ostringstream out;
-  out << "set terminal svg size 1000,1150 font 'sans,12' background 'white'\nset output 'tradeoff.svg'\n"
+  out << "set terminal svg size 1000,1200 font 'sans,12' background 'white'\nset output 'tradeoff.svg'\n"
          "set datafile separator ','\nset logscale xy\nset grid\nset format y '%g'\n"
-         "set multiplot layout 3,2\nset xlabel 'time per frame, us'\nset ylabel 'mean |error| of Gamma'\n"
-         "set key right top\n";
+         "set multiplot layout 3,2 margins 0.09,0.97,0.05,0.90 spacing 0.12,0.09\nmethods = 'moments "
+         "block-fit fit "
+         "registered svd-knn'\nset xlabel 'time per frame, us'\nset ylabel 'mean |error| of Gamma'\n"
+         "set key at screen 0.5,0.995 center top horizontal maxrows 3 samplen 2 width -2\n";
   bool first = true;
   for (const auto& panel : kPanels) {
     if (front_of(lines, panel).empty()) continue;
@@ -105,10 +107,9 @@ std::string script(const std::vector<Line>& lines) {
     pick << "strcol(1) eq '" << panel.layout << "' && strcol(2) eq '" << name_of(panel.kind) << "' && abs($3-"
          << panel.noise << ")<1e-9";
     out << "set title '" << title_of(panel.layout) << ", " << name_of(panel.kind) << " noise "
-        << 100 * panel.noise
-        << " %'\nplot for [m in 'moments block-fit fit registered svd-knn'] 'tradeoff.csv' using ("
-        << pick.str()
-        << " && strcol(5) eq m && strlen(strcol(4))==0 ? $16 : NaN):11 with points pt 7 ps 0.7 title m, "
+        << 100 * panel.noise << " %'\nplot for [i=1:words(methods)] 'tradeoff.csv' using (" << pick.str()
+        << " && strcol(5) eq word(methods,i) && strlen(strcol(4))==0 ? $16 : NaN):11 with points pt 2*i+3 lc "
+           "i ps 0.8 title word(methods,i), "
         << "'tradeoff-front.csv' using (" << pick.str()
         << " ? $4 : NaN):5 with lines lc rgb 'black' title 'Pareto front', 'tradeoff.csv' using ("
         << pick.str() << " ? $16 : NaN):18 with lines dt 2 lc rgb '#7f8c8d' title 'theoretical bound'\n";

@@ -16,7 +16,7 @@ if (which eq 'points') {
 }
 if (which eq 'sensors') {
   set yrange [0:*]; set y2range [0:*]; set xlabel 'sensors of 16 x 16 at 1 kHz'; set ylabel 'CPU (% of a core)'
-  set y2label 'sample to board (us)'; set ytics nomirror; set y2tics
+  set y2label 'sample to snapshot (us)'; set ytics nomirror; set y2tics
   plot data using 1:2 lw 2 lc rgb blue title 'CPU', '' using 1:3 axes x1y2 lw 2 lc rgb green title 'latency p50', \
        '' using 1:4 axes x1y2 lw 2 lc rgb red title 'latency p99'
 }

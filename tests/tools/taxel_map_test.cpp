@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "tests/tools/samples.hpp"
+#include "tools/slipctl/palette.hpp"
 
 namespace slipctl::testing {
 namespace {
@@ -53,12 +54,20 @@ TEST(Raster, LeavesPixelsEmptyWhereNoTaxelLies) {
 }
 
 TEST(Map, IsTwiceAsWideInCharactersAsHighForASquare) {
-  EXPECT_EQ(map_columns(sample(32, 32), 10, 80), 20);
+  EXPECT_EQ(map_size(sample(32, 32), 10, 80).columns, 20);
 }
 
-TEST(Map, FollowsTheLayoutsShapeUpToItsLimit) {
-  EXPECT_EQ(map_columns(sample(8, 4), 10, 80), 40);
-  EXPECT_EQ(map_columns(sample(8, 4), 10, 30), 30);
+TEST(Map, KeepsTheLayoutsShapeAlsoAtItsLimit) {
+  EXPECT_EQ(map_size(sample(8, 4), 10, 80).columns, 40);
+  EXPECT_EQ(map_size(sample(8, 4), 10, 80).rows, 10);
+  EXPECT_EQ(map_size(sample(8, 4), 10, 30).columns, 30);
+  EXPECT_EQ(map_size(sample(8, 4), 10, 30).rows, 8);     // 7.5
+  EXPECT_EQ(map_size(sample(32, 32), 16, 25).rows, 12);  // 24 columns
+}
+
+TEST(Map, HasDarkArrowsOnBrightColoursAndBrightOnesOnDark) {
+  EXPECT_EQ(readable_on(traction_colour(1)), kBlack);
+  EXPECT_EQ(readable_on(traction_colour(0)), kWhite);
 }
 
 TEST(Map, ShowsArrowsAlongTheShear) {

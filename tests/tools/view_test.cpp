@@ -146,6 +146,11 @@ TEST(View, DrawsTheCourseHighForASafeGripAndLowForASlip) {
   }
 }
 
+TEST(View, HasATimeAxisUnderTheCourse) {
+  const Canvas canvas = draw_watch(watch_sample(1), 80, 24, ColourDepth::rgb);
+  EXPECT_THAT(canvas.row_text(7), AllOf(HasSubstr("-10 s"), HasSubstr("-5 s"), HasSubstr("now")));
+}
+
 TEST(View, DrawsASteepCourseAsALineWithoutHoles) {
   WatchState state = watch_sample(1);
   for (MarginPoint& point : state.sensors[0].history) point.gamma = point.time_s < 5 ? 1.0 : 0.0;

@@ -235,8 +235,7 @@ int wrong_usage(const std::string& what) {
 
 int main(int argc, char** argv) try {
   Choices choices;
-  CLI::App app{"Shows how far each grasp is from slipping, by a running slipd, and inspects devices.",
-               "slipctl"};
+  CLI::App app{"Asks a running slipd how far each grasp is from slipping, and inspects devices.", "slipctl"};
   app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
   app.add_option("--socket", choices.common.socket, "the daemon's socket")->capture_default_str();
   app.add_flag("--json", choices.common.json, "the daemon's own answers, one JSON object a line");

@@ -48,6 +48,12 @@ constexpr Rgb traction_colour(double share) {
   return blend(std::array<Rgb, 3>{{{30, 60, 140}, {90, 130, 150}, {230, 120, 30}}}, share);
 }
 
+// Black on bright colours, white on dark ones: whichever has the greater contrast (WCAG 2.2, relative
+// luminance without its gamma correction: 0.18 of linear light is about 0.46 of a display's value).
+constexpr Rgb readable_on(Rgb colour) {
+  return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue > 0.46 * 255 ? kBlack : kWhite;
+}
+
 // Absent: an unknown margin is grey.
 constexpr Rgb margin_colour(std::optional<double> gamma) {
   if (!gamma) return kDim;

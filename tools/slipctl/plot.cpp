@@ -188,13 +188,13 @@ void draw_moment(Canvas& canvas, const Box& box, const Recorded& recorded, Colou
   int at = 0;
   if (frame.x_mm.size() > 1 && limit >= 6 && box.rows >= 4) {
     const double peak = std::max(1.0, *std::max_element(frame.normal_pa.begin(), frame.normal_pa.end()));
-    const int columns = map_columns(frame, box.rows - 1, limit);
+    const auto [columns, rows] = map_size(frame, box.rows - 1, limit);
     canvas.text(0, box.row, "pressure ≤ " + fixed(peak / 1000, 1, "kPa"), kFaint, columns + 1);
-    draw_pressure(canvas, {0, box.row + 1, columns, box.rows - 1}, frame, peak, depth);
+    draw_pressure(canvas, {0, box.row + 1, columns, rows}, frame, peak, depth);
     at = columns + 2;
     canvas.text(at, box.row, "shear", kFaint, columns + 1);
     const auto friction = summary.estimate ? known(summary.estimate->friction) : std::nullopt;
-    draw_shear(canvas, {at, box.row + 1, columns, box.rows - 1}, frame, peak, friction, depth);
+    draw_shear(canvas, {at, box.row + 1, columns, rows}, frame, peak, friction, depth);
     at += columns + 2;
   }
   int row = box.row;

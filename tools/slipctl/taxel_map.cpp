@@ -93,10 +93,13 @@ Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int co
   return raster;
 }
 
-int map_columns(const TaxelFrame& frame, int rows, int limit) {
+MapSize map_size(const TaxelFrame& frame, int rows, int limit) {
   const Area area = area_of(frame);
-  const double wanted = 2.0 * rows * std::clamp(area.width / area.height, 0.1, 10.0);
-  return std::clamp(static_cast<int>(std::lround(wanted / 2)) * 2, std::min(2, limit), limit);
+  const double ratio = std::clamp(area.width / area.height, 0.1, 10.0);
+  const int columns = 2 * static_cast<int>(std::lround(rows * ratio));
+  if (columns <= limit) return {std::max(columns, std::min(2, limit)), rows};
+  const int widest = limit > 1 ? limit / 2 * 2 : limit;
+  return {widest, std::clamp(static_cast<int>(std::lround(widest / (2 * ratio))), 1, rows)};
 }
 
 void draw_pressure(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
@@ -143,7 +146,7 @@ void draw_shear(Canvas& canvas, const Box& box, const TaxelFrame& frame, double 
       const double y = *shear_y.at(column, row);
       const double share = std::hypot(x, y) / (friction.value_or(1) * *p);
       Style style;
-      if (coloured(depth)) style = {kWhite, traction_colour(share), false};
+      if (coloured(depth)) style = {readable_on(traction_colour(share)), traction_colour(share), false};
       canvas.put(left, box.row + row, share < 0.02 ? U'·' : arrow(x, y), style);
       canvas.put(left + 1, box.row + row, U' ', style);
     }

@@ -26,9 +26,13 @@ struct Raster {
 
 Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int columns, int rows);
 
-// The width, at most `limit` columns, with which a map of `rows` rows shows the layout undistorted (a
-// character is twice as high as wide).
-int map_columns(const TaxelFrame& frame, int rows, int limit);
+struct MapSize {
+  int columns = 0, rows = 0;  // characters
+};
+
+// The largest map of at most `rows` rows and `limit` columns that shows the layout undistorted (a character
+// is twice as high as wide). Layouts longer than ten to one are shown as ten to one.
+MapSize map_size(const TaxelFrame& frame, int rows, int limit);
 
 // Pressure on a scale of 0…peak_pa. Two pixels per character (half blocks) with 256 or more colours, else
 // shades.

@@ -78,6 +78,14 @@ void draw_last_seconds(Canvas& canvas, const Box& box, const SensorWatch& sensor
   draw_history(canvas, {2, box.row, box.columns - 2, box.rows}, sensor.history, now_s);
 }
 
+// The time of the last seconds' line.
+void draw_time_axis(Canvas& canvas, const Box& box) {
+  canvas.text(2, box.row, "-" + fixed(kHistorySeconds, 0, "s"), kFaint);
+  const std::string half = "-" + fixed(kHistorySeconds / 2, 0, "s");
+  canvas.text(2 + (box.columns - 2 - static_cast<int>(half.size())) / 2, box.row, half, kFaint);
+  text_up_to(canvas, box.columns, box.row, "now", kFaint);
+}
+
 using Figure = std::pair<const char*, std::string>;
 
 std::vector<Figure> figures_of(const SensorWatch& sensor) {
@@ -128,16 +136,16 @@ void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, Colour
   const int limit = (box.columns - kFigureColumns - 2 * kGap) / 2;
   int at = 0;
   if (!sensor.frame.normal_pa.empty() && limit >= 6) {
-    const int columns = map_columns(sensor.frame, inner.rows, limit);
+    const auto [columns, rows] = map_size(sensor.frame, inner.rows, limit);
     const EstimateValues& estimate = estimate_of(sensor);
     const auto friction = estimate.friction ? estimate.friction : estimate.true_friction;
     canvas.text(0, box.row, "pressure ≤ " + fixed(sensor.peak_pa / 1000, 1, "kPa"), kFaint,
                 columns + kGap - 1);
-    draw_pressure(canvas, {0, inner.row, columns, inner.rows}, sensor.frame, sensor.peak_pa, depth);
+    draw_pressure(canvas, {0, inner.row, columns, rows}, sensor.frame, sensor.peak_pa, depth);
     at = columns + kGap;
     canvas.text(at, box.row, friction ? "shear / µ pressure" : "shear / pressure", kFaint,
                 columns + kGap - 1);
-    draw_shear(canvas, {at, inner.row, columns, inner.rows}, sensor.frame, sensor.peak_pa, friction, depth);
+    draw_shear(canvas, {at, inner.row, columns, rows}, sensor.frame, sensor.peak_pa, friction, depth);
     at += columns + kGap;
   }
   draw_figures(canvas, {at, inner.row, box.columns - at, inner.rows}, figures_of(sensor));
@@ -152,7 +160,10 @@ void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, doub
   const bool maps = rest >= kSmallestMaps + 2;
   const int course_rows = !maps ? rest : rest >= 18 ? 4 : rest >= 12 ? 3 : rest >= 9 ? 2 : 1;
   if (course_rows > 0) draw_last_seconds(canvas, {0, box.row + 2, box.columns, course_rows}, sensor, now_s);
-  if (maps) draw_maps(canvas, {0, box.row + 2 + course_rows, box.columns, rest - course_rows}, sensor, depth);
+  const int axis_rows = course_rows >= 3 ? 1 : 0;
+  if (axis_rows > 0) draw_time_axis(canvas, {0, box.row + 2 + course_rows, box.columns, axis_rows});
+  const int above = course_rows + axis_rows;
+  if (maps) draw_maps(canvas, {0, box.row + 2 + above, box.columns, rest - above}, sensor, depth);
 }
 
 // One row: name, state, bar, number, alert.

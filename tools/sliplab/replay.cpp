@@ -74,7 +74,7 @@ void run_replay(const offline::Common& common, const CLI::App& command, const Re
 }  // namespace
 
 void add_replay(CLI::App& app, const offline::Common& common) {
-  auto* command = app.add_subcommand("replay", "recordings through the daemon's chain, without a daemon");
+  auto* command = app.add_subcommand("replay", "run recordings through slipd's estimator, without a daemon");
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("--scene", options->scene, "the configuration")->required()->check(CLI::ExistingFile);
   command->add_option("--file", options->files,

@@ -171,7 +171,7 @@ void run_skin(const offline::Common& common, const SkinOptions& options) {
 
 void add_skin(CLI::App& app, const offline::Common& common) {
   auto* command = app.add_subcommand(
-      "skin", "how deep taxels lie under the skin, and whether shear has the layout's signs, by presses");
+      "skin", "find the depth of the taxels under the skin, and wrong signs of shear, from presses");
   auto options = std::make_shared<SkinOptions>();
   command->add_option("--scene", options->scene, "the configuration")->required()->check(CLI::ExistingFile);
   command->add_option("recordings", options->files,

@@ -178,7 +178,7 @@ void run(const Choices& choices, const offline::Common& common) {
 
 void add_train(CLI::App& app, const offline::Common& common) {
   auto choices = std::make_shared<Choices>();
-  CLI::App* command = app.add_subcommand("train", "train the model that a sensor's estimator needs");
+  CLI::App* command = app.add_subcommand("train", "train the model of a sensor for svd-knn or registered");
   auto* config = command->add_option("--config", choices->config, "a configuration of slipd");
   auto* sensor = command->add_option("--sensor", choices->sensor, "name of a sensor in the configuration")
                      ->needs(config);

@@ -36,7 +36,7 @@ def false_alarms(result):
     return f"{sum(c.false for c in result.counted)}: {with_interval(result.figures['false alarms'], lambda v: f'{v:.0f}')}"
 
 
-HEAD = ["detector", "slips told in time", "share missed or late", "latency, s", "false alarms: per hour", "holds in alarm", "answered", "margin", "area"]
+HEAD = ["detector", "slips told in time", "share missed or late", "latency, s", "false alarms: per hour", "holds in alarm", "coverage", "margin", "area"]
 
 
 def row_of(result):
