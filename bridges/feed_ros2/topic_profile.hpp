@@ -2,9 +2,10 @@
 // that slipctl uses it for recordings, too. Any thread that may allocate.
 #pragma once
 
+#include <slipd.h>
+
 #include <cstddef>
 #include <cstdint>
-#include <slipd.hpp>
 #include <string>
 #include <vector>
 

@@ -334,8 +334,13 @@ class Publishers(Bed):
         self.hold()
         first = self.publisher
         self.publish().await_subscription()
-        second = self.publisher
+        second, self.publisher = self.publisher, first
+        self.send_until(HELD, lambda each: each.gamma is not None, "the first, which may have been silent for a second")
+        sent = time.monotonic()
         for _ in range(20):
+            if time.monotonic() - sent > 0.5:
+                self.skipTest("this machine stood still: the first was silent")
+            sent = time.monotonic()
             first.send(array(HELD))
             second.send(array(contact(1, 0.9)))
             time.sleep(1 / RATE_HZ)
