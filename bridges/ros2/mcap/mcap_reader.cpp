@@ -15,6 +15,9 @@
 namespace slipd::ros2 {
 namespace {
 
+// Bytes that one compressed byte can become: zstd repeats a byte 128 KiB with 4 bytes. Smaller: chunks of a
+// picture that stands still are refused. Larger: memory for a hostile file.
+constexpr std::uint64_t kMostExpansion = 40'000;
 constexpr std::size_t kHeadBytes = 9;  // of a record: opcode and length
 
 // Takes numbers and texts from the front of a record's content.
@@ -127,7 +130,8 @@ bool McapReader::open_chunk(Bytes content) {
   const auto crc = fields.number<std::uint32_t>();
   const std::string compression(fields.text());
   const Bytes packed = fields.raw(fields.number<std::uint64_t>());
-  if (!fields.whole() || bytes > kLargestRecord) return fail("the chunk is damaged");
+  if (!fields.whole() || bytes > kLargestRecord || bytes > kMostExpansion * packed.size())
+    return fail("the chunk is damaged");
   if (compression.empty()) {
     chunk_.assign(packed.begin(), packed.end());
   } else if (compression == "lz4" || compression == "zstd") {
