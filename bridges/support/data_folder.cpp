@@ -18,7 +18,7 @@ std::filesystem::path profile_file(const std::string& name,
   const bool is_path = name.find('/') != std::string::npos;
   std::string looked;
   for (const std::filesystem::path& folder : is_path ? std::vector<std::filesystem::path>{""} : folders) {
-    const std::filesystem::path file = is_path ? std::filesystem::path(name) : folder / (name + ".json");
+    std::filesystem::path file = is_path ? std::filesystem::path(name) : folder / (name + ".json");
     std::error_code error;
     if (std::filesystem::exists(file, error)) return file;
     looked += (looked.empty() ? "" : ", ") + file.string();
