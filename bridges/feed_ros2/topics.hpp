@@ -4,7 +4,11 @@
 
 #include <dds/dds.h>
 
+#include <functional>
+#include <map>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -12,6 +16,7 @@
 #include "bridges/feed/teller.hpp"
 #include "bridges/feed_ros2/settings.hpp"
 #include "bridges/feed_ros2/topic.hpp"
+#include "bridges/ros2/dds/cyclone_log.hpp"
 #include "bridges/ros2/dds/host_watch.hpp"
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/dds/subscription.hpp"
@@ -26,10 +31,13 @@ class Topics : public bridges::Service {
   ~Topics() override;
 
  private:
+  bool refuse(std::string_view topic);
   void read();
 
   std::vector<std::unique_ptr<feed::Lane>> lanes_;
   feed::Teller teller_;
+  std::multimap<std::string, feed::Lane*, std::less<>> lanes_of_;  // by topic
+  ros2::CycloneLog cyclone_;
   ros2::Node node_;
   ros2::HostWatch host_;
   ros2::Publications publications_;

@@ -1,7 +1,8 @@
 // What other nodes publish on a topic, as bytes: dds_takecdr() gives samples in the order in which they came,
 // and slipd's own decoder (messages/cdr.hpp) reads them, as it reads recordings. One thread's own.
 //
-// Cyclone checks the bytes against the type before: what is no message of it never comes here.
+// Cyclone checks the bytes against the type before: what is no message of it never comes here
+// (cyclone_log.hpp).
 #pragma once
 
 #include <dds/dds.h>

@@ -228,8 +228,11 @@ class Arrays(Bed):
     def test_torn_messages_never_give_a_margin(self):
         self.start()
         self.hold()
-        self.never_a_margin([array(HELD)[:length] for length in (4, 8, 12, 13, 400, len(array(HELD)) - 4)])
+        torn = [array(HELD)[:length] for length in (4, 8, 12, 13, 400, len(array(HELD)) - 4)]
+        self.never_a_margin(torn)
         self.send_until(HELD, lambda each: each.gamma is not None, "a whole one")
+        self.assertEqual(self.program.end()["corrupt"], len(torn))
+        self.assertNotIn("deserialization", self.program.log())
 
     def test_messages_that_waited_are_old(self):
         self.start()
