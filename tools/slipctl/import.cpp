@@ -196,7 +196,10 @@ class Import {
 // What the file has instead of the topic, for people.
 std::string instead(const std::map<std::string, std::string, std::less<>>& topics) {
   std::string text;
-  for (const auto& [topic, type] : topics) text += (text.empty() ? "" : ", ") + topic + " (" + type + ")";
+  for (const auto& [topic, type] : topics) {
+    if (!text.empty()) text += ", ";
+    text.append(topic).append(" (").append(type).append(")");
+  }
   return text.empty() ? "it has no messages" : "it has " + text;
 }
 
