@@ -75,11 +75,12 @@ endfunction()
 
 # slipd_bridge(name SOURCES … LINKS …): library slipd_bridge_NAME of SOURCES, which tests link, and program slipd-NAME of main.cpp,
 # in component bridge_NAME with the example NAME.json in /etc/slipd, the unit slipd-NAME.service.in and completion for the shell. The schema NAME.schema.json is
-# embedded as slipd_NAME_schema.
+# embedded as slipd_NAME_schema; a name with - has _ there.
 function(slipd_bridge name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   slipd_library(slipd_bridge_${name} SOURCES ${ARG_SOURCES} LINKS slipd_bridge_support ${ARG_LINKS})
-  slipd_embed(slipd_bridge_${name} slipd_${name}_schema ${CMAKE_CURRENT_SOURCE_DIR}/${name}.schema.json)
+  string(REPLACE - _ symbol slipd_${name}_schema)
+  slipd_embed(slipd_bridge_${name} ${symbol} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.schema.json)
   add_executable(slipd-${name} main.cpp)
   target_link_libraries(slipd-${name} PRIVATE slipd_bridge_${name})
   target_compile_definitions(slipd-${name} PRIVATE SLIPD_VERSION="${PROJECT_VERSION}")

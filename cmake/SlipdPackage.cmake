@@ -3,7 +3,7 @@
 #   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
-#   slipd-feed                   frames from networks
+#   slipd-feed, slipd-feed-ros2  frames from networks, and from ROS 2 topics
 #   slipd-camera                 cameras that look at a gel, as sensors
 #   slipd-grip                   holds objects by slipd's margin, with a gripper
 #   slipd-realtime               a drop-in that allows real-time scheduling
@@ -190,6 +190,13 @@ if(TARGET slipd-feed)
     TEXT "Receives the messages of sensors that have a server or send on a\n\
 network, by WebSocket and UDP, and hands their frames to slipd. Profiles\n\
 describe the messages.")
+endif()
+if(TARGET slipd-feed-ros2)
+  slipd_bridge_package(feed-ros2 SECTION net
+    SUMMARY "frames of tactile sensors on ROS 2 topics, for slipd"
+    TEXT "Subscribes to ROS 2 topics of point clouds, wrenches and arrays by DDS,\n\
+and hands their frames to slipd. Profiles describe the messages. Needs no\n\
+ROS on this computer.")
 endif()
 slipd_bridge_package(grip SECTION electronics
   SUMMARY "holds objects with the least force that keeps the slip margin"

@@ -9,6 +9,7 @@
 
 #include "bridges/feed/lane.hpp"
 #include "bridges/feed/settings.hpp"
+#include "bridges/feed/teller.hpp"
 #include "bridges/feed/udp_source.hpp"
 #include "bridges/feed/websocket_source.hpp"
 #include "bridges/support/program.hpp"
@@ -23,14 +24,12 @@ class Feeds : public bridges::Service {
 
  private:
   void listen(const Settings& settings);
-  void tell();
 
   std::vector<std::unique_ptr<Lane>> lanes_;
-  std::vector<Account> told_;  // of each lane, at the last report
+  Teller teller_;
   boost::asio::io_context context_;
   std::vector<std::unique_ptr<UdpSource>> ports_;
   std::vector<std::unique_ptr<WebSocketSource>> servers_;
-  bridges::Loop::Timer report_;
   std::thread sources_;
 };
 

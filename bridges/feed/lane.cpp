@@ -14,11 +14,9 @@ constexpr std::uint64_t kLongestJump = std::uint64_t{1} << 31;
 
 }  // namespace
 
-Lane::Lane(std::string sensor, const Profile& profile, const std::string& socket)
-    : sensor_(std::move(sensor)),
-      has_clock_(profile.time.has_value()),
-      reader_(profile),
-      writer_(sensor_, profile.frames, socket) {}
+Lane::Lane(std::string sensor, const slipd_frames& frames, std::unique_ptr<MessageReader> reader,
+           const std::string& socket)
+    : sensor_(std::move(sensor)), reader_(std::move(reader)), writer_(sensor_, frames, socket) {}
 
 // By how many messages the sender is ahead of its last one: 1 if none is missing; 0: this one is not newer.
 std::uint64_t Lane::step_of(const Reading& reading, std::int64_t now_ns) {
@@ -27,7 +25,8 @@ std::uint64_t Lane::step_of(const Reading& reading, std::int64_t now_ns) {
     const bool rises = !last_ || *reading.sequence > *last_;
     if (!rises && now_ns - taken_ns_ < kAnewNs) return 0;
     if (!rises) clock_.reset();
-    if (rises && last_ && *reading.sequence - *last_ < kLongestJump) step = *reading.sequence - *last_;
+    if (rises && reading.counted && last_ && *reading.sequence - *last_ < kLongestJump)
+      step = *reading.sequence - *last_;
     last_ = reading.sequence;
   }
   taken_ns_ = now_ns;
@@ -40,7 +39,7 @@ void Lane::count(Outcome outcome, std::uint64_t step) {
   if (outcome == Outcome::other) ++account_.other;
   if (outcome == Outcome::corrupt) ++account_.corrupt;
   if (outcome != Outcome::frame) {
-    account_.why = reader_.why();
+    account_.why = reader_->why();
   } else if (step == 0) {
     ++account_.repeated;
     account_.why = "its sequence does not rise";
@@ -52,19 +51,19 @@ void Lane::count(Outcome outcome, std::uint64_t step) {
 void Lane::take(const Message& message, std::int64_t now_ns) {
   constexpr double kNsPerSecond = 1e9;
   Reading reading;
-  const Outcome outcome = reader_.read(message, reading);
+  const Outcome outcome = reader_->read(message, reading);
   const std::uint64_t step = outcome == Outcome::frame ? step_of(reading, now_ns) : 0;
   count(outcome, step);
   if (step == 0) return;
   sequence_ += step;
-  put(reading,
-      has_clock_ ? clock_.when(static_cast<std::int64_t>(*reading.sent_s * kNsPerSecond), now_ns) : now_ns);
-  if (has_clock_) flush();
+  put(reading, reading.sent_s ? clock_.when(static_cast<std::int64_t>(*reading.sent_s * kNsPerSecond), now_ns)
+                              : now_ns);
+  if (reading.sent_s) flush();
 }
 
-void Lane::put(const Reading& reading, std::int64_t time_ns) {
+void Lane::put(Reading& reading, std::int64_t time_ns) {
   const bool overtaken = pending_.has_value();
-  pending_ = Frame{reading.values, time_ns, sequence_};
+  pending_ = Frame{std::move(reading.values), time_ns, sequence_};
   if (!overtaken) return;
   const std::lock_guard lock(mutex_);
   ++account_.overtaken;
@@ -82,6 +81,19 @@ void Lane::refuse(const char* why) {
   ++account_.messages;
   ++account_.corrupt;
   account_.why = why;
+}
+
+void Lane::refuse_second() {
+  const std::lock_guard lock(mutex_);
+  ++account_.messages;
+  ++account_.second;
+  account_.why = "another sender was there first, and sends";
+}
+
+void Lane::lose(std::uint64_t messages) {
+  sequence_ += messages;
+  const std::lock_guard lock(mutex_);
+  account_.lost += messages;
 }
 
 void Lane::source_is(std::string trouble) {

@@ -7,12 +7,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <slipd.hpp>
 #include <string>
 
-#include "bridges/feed/profile.hpp"
-#include "bridges/feed/reader.hpp"
+#include "bridges/feed/message_reader.hpp"
 #include "bridges/feed/sender_clock.hpp"
 #include "bridges/feed/writer.hpp"
 
@@ -25,6 +26,7 @@ struct Account {
   std::uint64_t corrupt = 0;    // damaged, wrong size, not finite
   std::uint64_t repeated = 0;   // whose sequence does not rise
   std::uint64_t lost = 0;       // which the sequence counts and which did not come, or not whole
+  std::uint64_t second = 0;     // of a second sender, while the first one sends
   std::uint64_t overtaken = 0;  // without a time, behind which another one waited
   std::uint64_t sent = 0;       // frames that slipd took
   std::uint64_t unsent = 0;     // frames that slipd did not take
@@ -36,14 +38,20 @@ struct Account {
 
 class Lane {
  public:
-  // `socket`: slipd's. Throws client::Error.
-  Lane(std::string sensor, const Profile& profile, const std::string& socket);
+  // `frames`: of the hello to slipd. `reader`: of this sensor's messages. `socket`: slipd's. Throws
+  // client::Error.
+  Lane(std::string sensor, const slipd_frames& frames, std::unique_ptr<MessageReader> reader,
+       const std::string& socket);
 
   const std::string& sensor() const noexcept { return sensor_; }
   // A whole message that came at `now_ns`, CLOCK_MONOTONIC.
   void take(const Message& message, std::int64_t now_ns);
-  // Part of a message that cannot be used.
+  // A message, or part of one, that cannot be used.
   void refuse(const char* why);
+  // A message of a second sender, while the first one sends.
+  void refuse_second();
+  // So many messages were sent and did not come.
+  void lose(std::uint64_t messages);
   // Nothing waits behind the last message.
   void flush();
   // The source cannot be had, or can again (empty). The next messages begin anew.
@@ -53,11 +61,10 @@ class Lane {
  private:
   std::uint64_t step_of(const Reading& reading, std::int64_t now_ns);
   void count(Outcome outcome, std::uint64_t step);
-  void put(const Reading& reading, std::int64_t time_ns);
+  void put(Reading& reading, std::int64_t time_ns);
 
   const std::string sensor_;
-  const bool has_clock_;
-  Reader reader_;
+  std::unique_ptr<MessageReader> reader_;
   SenderClock clock_;
   std::optional<std::uint64_t> last_;  // the sender's sequence
   std::int64_t taken_ns_ = 0;          // when the last sequence was accepted

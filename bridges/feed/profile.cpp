@@ -128,17 +128,8 @@ Profile parse_profile(const std::string& text, const std::string& name, const In
 }
 
 Profile find_profile(const std::string& name, const Instance& instance) {
-  std::string looked;
-  const bool is_path = name.find('/') != std::string::npos;
-  for (const fs::path& folder : is_path ? std::vector<fs::path>{""} : folders()) {
-    const fs::path file = is_path ? fs::path(name) : folder / (name + ".json");
-    std::error_code error;
-    if (fs::exists(file, error))
-      return checked(bridges::load_settings(file, slipd_feed_message_schema, further), file.string(),
-                     instance);
-    looked += (looked.empty() ? "" : ", ") + file.string();
-  }
-  throw SettingsError({"there is no profile \"" + name + "\"; looked for " + looked});
+  const fs::path file = bridges::profile_file(name, folders());
+  return checked(bridges::load_settings(file, slipd_feed_message_schema, further), file.string(), instance);
 }
 
 }  // namespace slipd::feed

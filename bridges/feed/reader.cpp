@@ -92,11 +92,6 @@ std::string describe(const Place& place) {
 
 }  // namespace
 
-Outcome Reader::refuse(Outcome outcome, std::string why) {
-  why_ = std::move(why);
-  return outcome;
-}
-
 bool Reader::numbers_in_bytes(const Place& place, Bytes bytes, std::size_t count, std::vector<double>& out) {
   if (bytes.size() != count * place.type.bytes) return false;
   for (std::size_t i = 0; i < count; ++i)

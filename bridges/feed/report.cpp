@@ -11,6 +11,7 @@ std::string counted(const Account& before, const Account& now) {
   const std::pair<const char*, std::uint64_t> kinds[] = {{"corrupt", now.corrupt - before.corrupt},
                                                          {"repeated", now.repeated - before.repeated},
                                                          {"lost", now.lost - before.lost},
+                                                         {"of a second sender", now.second - before.second},
                                                          {"overtaken", now.overtaken - before.overtaken},
                                                          {"not taken by slipd", now.unsent - before.unsent}};
   std::string text;
@@ -45,7 +46,8 @@ std::string summary(const std::string& sensor, const Account& now) {
   return sensor + ": " + std::to_string(now.messages) + " messages, " + std::to_string(now.sent) +
          " frames sent, " + std::to_string(now.other) + " other, " + std::to_string(now.corrupt) +
          " corrupt, " + std::to_string(now.repeated) + " repeated, " + std::to_string(now.lost) + " lost, " +
-         std::to_string(now.overtaken) + " overtaken, " + std::to_string(now.unsent) + " not taken by slipd";
+         std::to_string(now.overtaken) + " overtaken, " + std::to_string(now.unsent) +
+         " not taken by slipd, " + std::to_string(now.second) + " of a second sender";
 }
 
 }  // namespace slipd::feed

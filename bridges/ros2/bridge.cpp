@@ -1,13 +1,12 @@
 #include "bridges/ros2/bridge.hpp"
 
 #include <sys/epoll.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <utility>
 
+#include "bridges/ros2/dds/node_settings.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
 #include "bridges/support/log.hpp"
 
@@ -26,39 +25,11 @@ constexpr int kBeatsOffered = 2;
 // the first miss must come before.
 constexpr int kDeadlinesOfALease = 2;
 
-NodeOptions node_options(const nlohmann::json& settings) {
-  const nlohmann::json& network = settings.at("network");
-  return {.domain = settings.at("domain"),
-          .interfaces = network.at("interfaces"),
-          .multicast = network.at("multicast"),
-          .peers = network.at("peers"),
-          .name = settings.at("node"),
-          .name_space = "/",
-          .humble = settings.at("distribution") == "humble"};
-}
-
 std::chrono::nanoseconds seconds(double s) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(kNsPerS * s));
 }
 
 }  // namespace
-
-std::vector<Problem> check_settings(const nlohmann::json& settings) {
-  std::vector<Problem> problems;
-  const nlohmann::json& network = settings.at("network");
-  const nlohmann::json& interfaces = network.at("interfaces");
-  for (const char* const name : {"lo", kHost}) {
-    if (interfaces.size() > 1 && std::find(interfaces.begin(), interfaces.end(), name) != interfaces.end())
-      problems.push_back(problem_of("/network/interfaces", interfaces,
-                                    std::string(name) +
-                                        " beside others: name the others only, as nodes of this computer use "
-                                        "them, too"));
-  }
-  if (!network.at("multicast").get<bool>() && network.at("peers").empty())
-    problems.push_back(problem_of("/network/peers", network.at("peers"),
-                                  "no peers and no multicast: no node could be found; give one of them"));
-  return problems;
-}
 
 Ros2Bridge::Ros2Bridge(const nlohmann::json& settings, bridges::Loop& loop)
     : settings_(settings),
@@ -76,8 +47,7 @@ Ros2Bridge::Ros2Bridge(const nlohmann::json& settings, bridges::Loop& loop)
              .away = [this](std::string_view why) { go_away(why); },
              .estimate = [this](const slipd_estimate& estimate, std::string_view) { take(estimate); }}),
       readers_(loop, readers_changed_.fd(), EPOLLIN, [this](std::uint32_t) { choose_rate(); }),
-      host_(host_interfaces()),
-      addresses_(loop, changes_.fd(), EPOLLIN, [this](std::uint32_t) { note_addresses(); }) {
+      host_(loop, node_options(settings)) {
   const TopicOptions diagnostics = topic_options("diagnostics");
   if (diagnostics.publish)
     diagnostics_.emplace(node_, recorder_, "/diagnostics", TopicOptions{.writer = diagnostics.writer});
@@ -172,16 +142,6 @@ void Ros2Bridge::go_away(std::string_view why) {
 void Ros2Bridge::choose_rate() {
   readers_changed_.hear();
   feed_.limit_rate(subjects_.wanted() ? 0 : kIdleEstimates / max_age_s_);
-}
-
-// Nodes that start from now on give the new addresses, which Cyclone DDS uses from the next start on.
-void Ros2Bridge::note_addresses() {
-  changes_.take();
-  if (settings_.at("network").at("interfaces") != nlohmann::json::array({kHost}) ||
-      host_interfaces() == host_)
-    return;
-  bridges::log(bridges::LogLevel::notice, "this computer's addresses have changed: the node starts anew");
-  kill(getpid(), SIGHUP);
 }
 
 void Ros2Bridge::take(const slipd_estimate& estimate) {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bridges/ros2/dds/host_network.hpp"
+#include "bridges/ros2/dds/host_watch.hpp"
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/output.hpp"
 #include "bridges/ros2/recorder.hpp"
@@ -24,9 +24,6 @@
 #include "bridges/support/program.hpp"
 
 namespace slipd::ros2 {
-
-// Problems of settings that fit the schema: names of `frames`, addresses. For bridges::Program::further.
-std::vector<Problem> check_settings(const nlohmann::json& settings);
 
 class Ros2Bridge final : public bridges::Service {
  public:
@@ -41,7 +38,6 @@ class Ros2Bridge final : public bridges::Service {
   void attach();
   void go_away(std::string_view why);
   void choose_rate();
-  void note_addresses();
   void take(const slipd_estimate& estimate);
   void report();
 
@@ -61,9 +57,7 @@ class Ros2Bridge final : public bridges::Service {
   bridges::Loop::Timer report_;
   bridges::Feed feed_;
   bridges::Loop::Watch readers_;
-  AddressChanges changes_;
-  std::vector<HostInterface> host_;  // after changes_, so that no change is missed
-  bridges::Loop::Watch addresses_;
+  HostWatch host_;
 };
 
 }  // namespace slipd::ros2

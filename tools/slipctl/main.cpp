@@ -13,6 +13,7 @@
 #include "tools/slipctl/decode.hpp"
 #include "tools/slipctl/export.hpp"
 #include "tools/slipctl/fleet.hpp"
+#include "tools/slipctl/import.hpp"
 #include "tools/slipctl/plot.hpp"
 #include "tools/slipctl/probe.hpp"
 #include "tools/slipctl/watch.hpp"
@@ -32,6 +33,7 @@ struct Choices {
   DecodeOptions decode;
   PlotOptions plot;
   ExportOptions exporting;
+  ImportOptions importing;
   FleetOptions fleet;
   int exit_code = 0;
 };
@@ -145,6 +147,27 @@ void add_export(CLI::App& app, Choices& choices) {
   });
 }
 
+void add_import(CLI::App& app, Choices& choices) {
+  ImportOptions& importing = choices.importing;
+  importing.sensor = "sensor";
+  CLI::App* command =
+      app.add_subcommand("import", "write a recording of a ROS 2 topic of an MCAP file, such as of rosbag2");
+  command->add_option("file", importing.file, "the MCAP file")->required();
+  command->add_option("out", importing.out, "the recording to write")->required();
+  command->add_option("--profile", importing.profile, "what the messages are: a profile of slipd-feed-ros2")
+      ->required();
+  command->add_option("--topic", importing.topic, "its name; if absent, as the profile says");
+  command->add_option("--frame-id", importing.frame_id, "only messages with this frame_id");
+  command->add_option("--sensor", importing.sensor, "the sensor's name in the recording")
+      ->capture_default_str();
+  command->add_option("--grid", importing.grid, "the sensor's layout: COLUMNSxROWS; 1x1 for a force");
+  command->add_option("--pitch-mm", importing.pitch_mm, "of the grid");
+  command->add_option("--taxels-mm", importing.taxels_mm, "the sensor's layout: places such as \"0,0 -6,0\"");
+  command->add_option("--scale", importing.scale, "factors of x, y and z, such as 1,1,-1")->delimiter(',');
+  command->add_flag("--force", importing.force, "replace a file that exists");
+  command->callback([&importing, &choices] { choices.exit_code = import_recording(importing) ? 0 : 1; });
+}
+
 void add_watch(CLI::App& app, Choices& choices) {
   WatchOptions& watching = choices.watch;
   CLI::App* command =
@@ -246,6 +269,7 @@ int main(int argc, char** argv) try {
   add_calibrate(app, choices);
   add_plot(app, choices);
   add_export(app, choices);
+  add_import(app, choices);
   add_watch(app, choices);
   add_fleet(app, choices);
   add_devices(app, choices);

@@ -173,6 +173,30 @@ dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_vi
   return writer;
 }
 
+dds_entity_t Node::add_reader(const dds_topic_descriptor_t& type, std::string_view topic,
+                              std::string_view hash, const ReaderOptions& options) {
+  const std::string name = "rt" + std::string(topic);
+  const Qos qos = make_qos();
+  dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       kNoWaiting);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
+  const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
+  dds_qset_data_representation(qos.get(), 1, &representation);
+  if (!hash.empty() && !options_.humble) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");
+  const dds_entity_t entity = made(dds_create_topic(participant_, &type, name.c_str(), nullptr, nullptr),
+                                   "topic " + name, "have two feeds the topic with different types?");
+  const dds_entity_t reader = dds_create_reader(participant_, entity, qos.get(), nullptr);
+  dds_delete(entity);  // the reader keeps it
+  readers_.push_back(made(reader, "subscription of " + name, "is there memory?"));
+  return reader;
+}
+
+void Node::remove_reader(dds_entity_t reader) noexcept {
+  std::erase(readers_, reader);
+  dds_delete(reader);
+}
+
 // Cyclone ends calls of it before it deletes the writer.
 void Node::count_readers(dds_entity_t /*writer*/, dds_publication_matched_status_t status, void* readers) {
   auto& of = *static_cast<Readers*>(readers);
@@ -201,6 +225,7 @@ void Node::write_entities() {
   node.node_namespace.text = options_.name_space;
   node.node_name.text = options_.name;
   for (const dds_entity_t writer : writers_) node.writer_gid_seq.push_back(gid_of<BYTES>(writer));
+  for (const dds_entity_t reader : readers_) node.reader_gid_seq.push_back(gid_of<BYTES>(reader));
   typename DdsType<ParticipantEntitiesInfo<BYTES>>::Sample sample{};
   SampleMemory memory;
   DdsType<ParticipantEntitiesInfo<BYTES>>::fill(info, sample, memory);

@@ -1,6 +1,6 @@
 // A ROS 2 node by DDS alone: a participant that ROS 2 lists under the node's name, and writers of topics with
-// ROS 2's names, types and QoS. Cyclone DDS starts threads of its own. Writers may be made and deleted in one
-// thread, and write in any.
+// ROS 2's names, types and QoS; subscription.hpp has their readers. Cyclone DDS starts threads of its own.
+// Writers and subscriptions may be made and deleted in one thread; writers write in any.
 #pragma once
 
 #include <dds/dds.h>
@@ -58,6 +58,14 @@ struct WriterOptions {
   std::chrono::nanoseconds lease{0};
 };
 
+// QoS of a subscription.
+struct ReaderOptions {
+  // Samples kept until they are taken, 1 or more. Too few: a burst loses samples. More: memory.
+  int depth = 10;
+  // Whether lost samples are asked for again. Best-effort writers do not match then.
+  bool reliable = false;
+};
+
 // Which readers a writer has. Cyclone's threads write it.
 class Readers {
  public:
@@ -79,12 +87,15 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  // Tells other nodes which writers there are: after making and after deleting some.
+  // Cyclone's handle of the participant. Any thread.
+  dds_entity_t participant() const noexcept { return participant_; }
+  // Tells other nodes which writers and subscriptions there are: after making and after deleting some.
   void announce();
 
  private:
   template <class T>
   friend class Writer;
+  friend class Subscription;
 
   // `hash`: 64 hexadecimal digits of the type hash; empty: none. `readers` may be null; it must live as long
   // as the writer. Throws DdsError.
@@ -95,13 +106,16 @@ class Node {
                           const WriterOptions& options, Readers& readers);
   static void count_readers(dds_entity_t writer, dds_publication_matched_status_t status, void* readers);
   void remove_writer(dds_entity_t writer) noexcept;
+  dds_entity_t add_reader(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
+                          const ReaderOptions& options);
+  void remove_reader(dds_entity_t reader) noexcept;
   template <std::size_t BYTES>
   void write_entities();
 
   NodeOptions options_;
   std::function<void()> readers_changed_;
   dds_entity_t domain_ = 0, participant_ = 0, discovery_ = 0;
-  std::vector<dds_entity_t> writers_;
+  std::vector<dds_entity_t> writers_, readers_;
 };
 
 // Of a topic "/slipd/left/margin".

@@ -45,6 +45,14 @@ struct DdsType<Float32> {
   static const dds_topic_descriptor_t& descriptor() noexcept { return std_msgs_msg_dds__Float32__desc; }
   static void fill(const Float32& from, Sample& to, SampleMemory& memory);
 };
+// What others write, and slipd-feed-ros2 reads as bytes: no sample is filled.
+template <>
+struct DdsType<Float32MultiArray> {
+  using Sample = std_msgs_msg_dds__Float32MultiArray_;
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return std_msgs_msg_dds__Float32MultiArray__desc;
+  }
+};
 template <>
 struct DdsType<WrenchStamped> {
   using Sample = geometry_msgs_msg_dds__WrenchStamped_;

@@ -1,6 +1,7 @@
 // The bytes of MCAP's records: little-endian numbers, texts and maps. Any thread that may allocate.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +10,9 @@
 #include <vector>
 
 namespace slipd::ros2 {
+
+// What a file begins and ends with.
+inline constexpr std::array<std::uint8_t, 8> kMcapMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
 enum class McapOp : std::uint8_t {
   header = 0x01,

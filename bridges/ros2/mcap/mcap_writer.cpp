@@ -17,7 +17,6 @@
 namespace slipd::ros2 {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 constexpr mode_t kMode = 0644;
 
 // Of a system call that has set errno.
@@ -40,7 +39,7 @@ McapWriter::McapWriter(std::string file, McapOptions options)
   if (fd_ < 0 && errno == EEXIST)
     throw McapError(file_ + ": exists already; name another file, or give --force");
   if (fd_ < 0) refuse_file(file_, "cannot create it");
-  put(kMagic);
+  put(kMcapMagic);
   Bytes header;
   McapRecord(header, McapOp::header).text("ros2").text(options_.library).end();
   put(header);
@@ -235,7 +234,7 @@ void McapWriter::close() {
   put(data_end);
   crc_.reset();
   write_summary();
-  put(kMagic);
+  put(kMcapMagic);
   const int fd = std::exchange(fd_, -1);
   if (::close(fd) != 0) refuse_file(file_, "cannot write it");
 }

@@ -11,20 +11,14 @@
 #include <cstdint>
 #include <map>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "bridges/ros2/mcap/mcap_error.hpp"
 #include "bridges/ros2/messages/definition.hpp"
 
 namespace slipd::ros2 {
-
-// what() is `FILE: what is wrong`.
-class McapError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct McapOptions {
   // The program that writes, for people.

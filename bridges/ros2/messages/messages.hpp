@@ -1,6 +1,6 @@
-// The ROS 2 messages that slipd writes: the one table of their names, fields and order. The encoder
-// (cdr.hpp), the .msg text and the type hashes (definition.hpp) are all made from `fields`. Values; any
-// thread.
+// The ROS 2 messages that slipd writes and reads: the one table of their names, fields and order. Encoder and
+// decoder (cdr.hpp), the .msg text and the type hashes (definition.hpp) are all made from `fields`. Values;
+// any thread.
 //
 // Standard messages are those of the packages builtin_interfaces, std_msgs, geometry_msgs, sensor_msgs,
 // diagnostic_msgs and rmw_dds_common as released with Humble and Jazzy; the type hashes are those of Iron and
@@ -62,6 +62,43 @@ struct Float32 {
   float data = std::numeric_limits<float>::quiet_NaN();
   template <class Self, class Visit>
   static void fields(Self& m, Visit&& visit) {
+    visit("data", m.data);
+  }
+};
+
+struct MultiArrayDimension {
+  static constexpr std::string_view kName = "std_msgs/msg/MultiArrayDimension";
+  std::string label;
+  std::uint32_t size = 0;    // steps of this dimension
+  std::uint32_t stride = 0;  // numbers of one step of the dimension before
+  template <class Self, class Visit>
+  static void fields(Self& m, Visit&& visit) {
+    visit("label", m.label);
+    visit("size", m.size);
+    visit("stride", m.stride);
+  }
+};
+
+struct MultiArrayLayout {
+  static constexpr std::string_view kName = "std_msgs/msg/MultiArrayLayout";
+  std::vector<MultiArrayDimension> dim;  // the outermost first; many publishers leave it empty
+  std::uint32_t data_offset = 0;         // numbers in front of the first one
+  template <class Self, class Visit>
+  static void fields(Self& m, Visit&& visit) {
+    visit("dim", m.dim);
+    visit("data_offset", m.data_offset);
+  }
+};
+
+struct Float32MultiArray {
+  static constexpr std::string_view kName = "std_msgs/msg/Float32MultiArray";
+  static constexpr std::string_view kTypeHash =
+      "0599f6f85b4bfca379873a0b4375a0aca022156bd2d7021275d116ed1fa8bfe0";
+  MultiArrayLayout layout;
+  std::vector<float> data;
+  template <class Self, class Visit>
+  static void fields(Self& m, Visit&& visit) {
+    visit("layout", m.layout);
     visit("data", m.data);
   }
 };

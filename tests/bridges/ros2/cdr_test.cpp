@@ -52,6 +52,74 @@ TEST(Cdr, SequencesOfMessagesAlignEachElement) {
                   2, 0, 0, 0, 'k', 0, 0, 0, 2, 0, 0, 0, 'v', 0));
 }
 
+PointCloud2 sample_cloud() {
+  PointCloud2 cloud;
+  cloud.header = {.stamp = {.sec = 5, .nanosec = 6}, .frame_id = "left"};
+  cloud.height = 1;
+  cloud.width = 2;
+  cloud.point_fields = {{.name = "x", .offset = 0, .datatype = 7, .count = 1},
+                        {.name = "normal", .offset = 4, .datatype = 8, .count = 1}};
+  cloud.point_step = 12;
+  cloud.row_step = 24;
+  cloud.data.resize(24, 7);
+  return cloud;
+}
+
+// The bytes of a message that was decoded and encoded again.
+template <class T>
+std::vector<std::uint8_t> again(const std::vector<std::uint8_t>& bytes) {
+  T message;
+  EXPECT_TRUE(decode(bytes, message));
+  return encoded(message);
+}
+
+TEST(Cdr, WhatIsDecodedIsWhatWasEncoded) {
+  Float32MultiArray array;
+  array.layout = {.dim = {{.label = "taxel", .size = 3, .stride = 3}}, .data_offset = 0};
+  array.data = {1, -2, 0.5F};
+  WrenchStamped wrench;
+  wrench.header.frame_id = "wrist";
+  wrench.wrench.force = {1, 2, 3};
+  EXPECT_EQ(again<Float32MultiArray>(encoded(array)), encoded(array));
+  EXPECT_EQ(again<WrenchStamped>(encoded(wrench)), encoded(wrench));
+  EXPECT_EQ(again<PointCloud2>(encoded(sample_cloud())), encoded(sample_cloud()));
+}
+
+TEST(Cdr, BigEndianBytesAreReadAsTheyAreMeant) {
+  const std::vector<std::uint8_t> bytes{0, 0, 0, 0,                 // header
+                                        0, 0, 0, 0, 0,    0, 0, 1,  // no dimensions, data_offset 1
+                                        0, 0, 0, 2, 0x3F, 0, 0, 0, 0xC0, 0, 0, 0};
+  Float32MultiArray array;
+  ASSERT_TRUE(decode(bytes, array));
+  EXPECT_EQ(array.layout.data_offset, 1U);
+  EXPECT_THAT(array.data, ElementsAre(0.5F, -2.0F));
+}
+
+TEST(Cdr, AMessageThatIsCutOffAnywhereIsNone) {
+  const auto bytes = encoded(sample_cloud());
+  PointCloud2 cloud;
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_FALSE(decode(std::span(bytes).first(length), cloud)) << length;
+}
+
+TEST(Cdr, ALengthBeyondTheEndIsNoMessageAndTakesNoMemory) {
+  std::vector<std::uint8_t> bytes{0, 1, 0,    0,    0,    0,    0, 0, 0,    0,
+                                  0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0x80, 0x3F};
+  Float32MultiArray array;
+  EXPECT_FALSE(decode(bytes, array));
+  EXPECT_LE(array.data.capacity(), 4U);
+}
+
+TEST(Cdr, AnotherEncodingOrATextWithoutItsZeroIsNone) {
+  auto bytes = encoded(sample_cloud());
+  PointCloud2 cloud;
+  bytes[1] = 7;  // XCDR version 2
+  EXPECT_FALSE(decode(bytes, cloud));
+  bytes[1] = 1;
+  bytes[20] = 'x';  // behind "left"
+  EXPECT_FALSE(decode(bytes, cloud));
+}
+
 TEST(Estimates, AreUnknownUntilSlipdSaysSomething) {
   const SlipEstimate none;
   EXPECT_EQ(none.alert, SlipEstimate::kAlertUnknown);

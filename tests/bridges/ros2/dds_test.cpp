@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "bridges/ros2/dds/cyclone_log.hpp"
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/messages/cdr.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
@@ -190,6 +191,16 @@ void expect_node_info(bool humble) {
   EXPECT_EQ(std::memcmp(gid, guid.v, sizeof guid.v), 0);
   for (std::size_t i = sizeof guid.v; i < BYTES; ++i) EXPECT_EQ(gid[i], 0);
   dds_return_loan(reader, &taken, 1);
+}
+
+TEST(CyclonesLines, OfASampleThatItCannotReadNameTheTopic) {
+  const std::string failed =
+      "1.2 [7] recvUC: data(application, vendor 1.15): 1:2:0:103 #3: deserialization "
+      "rt/left/taxels/std_msgs::msg::dds_::Float32MultiArray_ failed (for reasons unknown)";
+  EXPECT_EQ(topic_of_refusal(failed), "/left/taxels");
+  for (const std::string_view other : {"", "deserialization rt/", "deserialization rt/ failed", "failed",
+                                       "deserialization ros_discovery_info/T failed", "1.2 [7] recv: failed"})
+    EXPECT_EQ(topic_of_refusal(other), std::nullopt) << other;
 }
 
 TEST(Nodes, AreListedWithTheirWriters) {

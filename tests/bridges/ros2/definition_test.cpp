@@ -36,6 +36,8 @@ TEST(TypeHashes, OfStandardMessagesAreThePublicOnes) {
   EXPECT_EQ(computed_hash<WrenchStamped>(),
             "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
   EXPECT_EQ(computed_hash<Float32>(), "7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2");
+  EXPECT_EQ(computed_hash<Float32MultiArray>(),
+            "0599f6f85b4bfca379873a0b4375a0aca022156bd2d7021275d116ed1fa8bfe0");
   EXPECT_EQ(computed_hash<DiagnosticArray>(),
             "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
   EXPECT_EQ(computed_hash<PointCloud2>(), "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
@@ -46,6 +48,7 @@ TEST(TypeHashes, AreThoseThatTheFieldsGive) {
   EXPECT_EQ(Float32::kTypeHash, computed_hash<Float32>());
   EXPECT_EQ(DiagnosticArray::kTypeHash, computed_hash<DiagnosticArray>());
   EXPECT_EQ(PointCloud2::kTypeHash, computed_hash<PointCloud2>());
+  EXPECT_EQ(Float32MultiArray::kTypeHash, computed_hash<Float32MultiArray>());
   EXPECT_EQ(SlipEstimate::kTypeHash, computed_hash<SlipEstimate>());
   EXPECT_EQ(ParticipantEntitiesInfo<kGidBytes>::kTypeHash,
             computed_hash<ParticipantEntitiesInfo<kGidBytes>>());

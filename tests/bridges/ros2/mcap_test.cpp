@@ -6,7 +6,9 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
+#include "bridges/ros2/mcap/mcap_reader.hpp"
 #include "bridges/ros2/mcap/mcap_writer.hpp"
 #include "bridges/ros2/messages/cdr.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -154,6 +156,72 @@ TEST_F(Mcap, DoesNotReplaceAFileUnlessToldTo) {
 
 TEST(McapErrors, AreSaidWhenTheDiskIsFull) {
   EXPECT_THROW(McapWriter("/dev/full", {.overwrite = true}), McapError);
+}
+
+// What a reader of these bytes says of each message, and its fault at the end.
+struct Heard {
+  explicit Heard(const std::string& bytes) {
+    std::istringstream in(bytes);
+    McapReader reader(in, "a.mcap");
+    for (McapMessage message; reader.next(message);) {
+      Float32 value;
+      EXPECT_TRUE(decode(message.data, value));
+      EXPECT_EQ(message.schema, "std_msgs/msg/Float32");
+      EXPECT_EQ(message.encoding, "cdr");
+      values.push_back(value.data);
+      times_ns.push_back(message.publish_ns);
+    }
+    fault = reader.fault();
+  }
+  std::vector<float> values;
+  std::vector<std::uint64_t> times_ns;
+  std::string fault;
+};
+
+constexpr int kSomeMessages = 50;
+
+TEST_F(Mcap, TheReaderGivesTheMessagesThatTheWriterHasWritten) {
+  const std::string bytes = written(kSomeMessages);
+  const Heard heard(bytes);
+  EXPECT_EQ(heard.fault, "");
+  EXPECT_EQ(heard.values.size(), 2U * kSomeMessages);
+  EXPECT_TRUE(std::is_sorted(heard.times_ns.begin(), heard.times_ns.end()));
+}
+
+TEST_F(Mcap, AFileThatWasCutAnywhereGivesABeginningAndSaysSo) {
+  const std::string bytes = written(kSomeMessages);
+  const Heard whole(bytes);
+  const std::size_t data_end = bytes.size() - 100;  // at least: the summary stands behind the data
+  for (std::size_t length = kMagicBytes; length < bytes.size(); length += 7) {
+    const Heard part(bytes.substr(0, length));
+    ASSERT_LE(part.values.size(), whole.values.size());
+    EXPECT_TRUE(std::equal(part.values.begin(), part.values.end(), whole.values.begin())) << length;
+    if (part.values.size() < whole.values.size()) {
+      EXPECT_THAT(part.fault, HasSubstr("was cut")) << length;
+    }
+    if (length > data_end) {
+      EXPECT_EQ(part.values.size(), whole.values.size());
+    }
+  }
+}
+
+TEST_F(Mcap, AChunkWithAnotherByteIsLeftOutAndTheOthersAreRead) {
+  std::string bytes = written(kSomeMessages);
+  const std::size_t whole = Heard(bytes).values.size();
+  const auto records = records_of(bytes, kMagicBytes, bytes.size() - kMagicBytes);
+  const auto chunk =
+      std::find_if(records.begin(), records.end(), [](const Record& one) { return one.op == 6; });
+  ASSERT_NE(chunk, records.end());
+  bytes[chunk->at + 9 + chunk->content.size() - 8] ^= 0x10;
+  const Heard heard(bytes);
+  EXPECT_GT(heard.values.size(), 0U);
+  EXPECT_LT(heard.values.size(), whole);
+  EXPECT_THAT(heard.fault, HasSubstr("the chunk is damaged"));
+}
+
+TEST_F(Mcap, WhatIsNoMcapFileIsRefused) {
+  std::istringstream in("a recording of something else");
+  EXPECT_THROW(McapReader(in, "a.mcap"), McapError);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 # each serves what slipd says, goes on while slipd is away, is restarted after a crash and an upgrade, and is gone after a purge.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
-bridges=(feed grip modbus mqtt ros2 web)
+bridges=(feed feed-ros2 grip modbus mqtt ros2 web)
 units=("${bridges[@]/#/slipd-}")
 web() { python3 -c 'import sys, urllib.request as u; print(u.urlopen("http://127.0.0.1:8077" + sys.argv[1], timeout=5).read().decode())' "$1"; }
 registers() {  # FIRST COUNT: the words that a PLC reads
