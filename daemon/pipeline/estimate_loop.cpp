@@ -19,15 +19,24 @@ constexpr std::int64_t kLongestHereNs = 100'000;
 // Least time between frames of a device, in estimates, at which its acquire thread makes them. Less: the
 // device is read late when estimates take longer than usual. More: the estimate thread is woken more often.
 constexpr std::int64_t kLeastIntervals = 3;
+constexpr std::int64_t kAnyIntervalNs = kLeastIntervals * kLongestHereNs;
 // How often an acquire thread looks at all sensors for frames that came while it estimated, before it leaves
 // them to the estimate thread.
 constexpr int kMostLooks = 2;
+// How much later than it meant to the estimate thread may wake before acquire threads stop to estimate, ns,
+// so that a hanging one is seen at every door. Less: a busy machine stops them. More: it is seen later.
+constexpr std::int64_t kThreadGraceNs = 100'000'000;
 // Frames over which the time of an estimate is averaged. Fewer: one frame that was interrupted counts as long
 // work. More: a change is seen later.
 constexpr std::int64_t kFramesOfMean = 16;
 
 std::int64_t monotonic_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
+// FLANN allocates in each query (paper/neighbours/neighbours.hpp), which only the estimate thread may do.
+bool may_be_made_anywhere(Method method) noexcept {
+  return method != Method::svd_knn && method != Method::registered;
 }
 
 // At least three frames of a device that defines a slower rate, unless stale_after was configured.
@@ -113,15 +122,20 @@ void EstimateLoop::frame_delivered(std::size_t sensor, std::int64_t interval_ns)
   std::uint64_t requests = 0;
   if (!is_short(own, interval_ns)) return bell_.ring();
   if (!turn_.ask(requests)) return;
-  estimate_here(own);
+  const std::int64_t now_ns = monotonic_ns();
+  if (now_ns > wake_at_ns_ + kThreadGraceNs) {  // it hangs: nobody would tell of stale sensors
+    turn_.hand_over();
+    return bell_.ring();
+  }
+  estimate_here(own, now_ns);
   evaluate_grasps();
   for (int looks = 0; !turn_.done(requests); ++looks) {
     bool left = EstimateTurn<>::thread_asks(requests) || looks == kMostLooks;
     for (SensorState& state : states_) {
       if (left) break;
       if (state.instance == nullptr || !state.instance->feed->mailbox.has_unread()) continue;
-      if (state.estimate_ns.load(std::memory_order_relaxed) < kLongestHereNs) {
-        estimate_here(state);
+      if (is_short(state, kAnyIntervalNs)) {
+        estimate_here(state, monotonic_ns());
       } else {
         left = true;
       }
@@ -133,9 +147,8 @@ void EstimateLoop::frame_delivered(std::size_t sensor, std::int64_t interval_ns)
   }
 }
 
-// The frame that has been delivered, in an acquire thread, which has the turn.
-void EstimateLoop::estimate_here(SensorState& state) noexcept {
-  const std::int64_t now_ns = monotonic_ns();
+// A frame that has been delivered, in an acquire thread, which has the turn.
+void EstimateLoop::estimate_here(SensorState& state, std::int64_t now_ns) noexcept {
   if (!process(state, now_ns) || state.instance == nullptr) return;
   // The estimate thread sleeps longer than this sensor's frames may be late: it slept on another's, or
   // without any.
@@ -195,6 +208,7 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   ++published.counts.estimated;
   publish(state);
   state.runtime->status.latency.record(published.estimate.published_ns - slot.time_ns);
+  if (!may_be_made_anywhere(state.instance->method)) return;
   const std::int64_t took_ns = published.estimate.published_ns - now_ns;
   const std::int64_t mean_ns = state.estimate_ns.load(std::memory_order_relaxed);
   state.estimate_ns.store(mean_ns == 0 ? took_ns : mean_ns + (took_ns - mean_ns) / kFramesOfMean,

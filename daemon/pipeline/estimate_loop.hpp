@@ -56,13 +56,14 @@ class EstimateLoop {
     Alert last_output_alert = Alert::unknown;
     Health last_health = Health::good;  // of the frame before
     bool zero_is_anothers = false;      // in the frame before
-    // Mean time of an estimate, ns; 0: not known. Relaxed: an independent value, for frame_delivered.
+    // Mean time of an estimate, ns; 0: not known, or only the estimate thread may make it. Relaxed: an
+    // independent value, for frame_delivered.
     std::atomic<std::int64_t> estimate_ns{0};
   };
 
   bool round(std::chrono::steady_clock::time_point& wake_at) noexcept;
   bool process(SensorState& state, std::int64_t now_ns) noexcept;
-  void estimate_here(SensorState& state) noexcept;
+  void estimate_here(SensorState& state, std::int64_t now_ns) noexcept;
   void evaluate_grasps() noexcept;
   bool is_short(const SensorState& state, std::int64_t interval_ns) const noexcept;
   void estimate_frame(SensorState& state, const FrameSlot& slot, std::int64_t now_ns) noexcept;
@@ -82,7 +83,7 @@ class EstimateLoop {
   GraspEvaluator grasp_evaluator_;
   std::vector<SensorState> states_;
   EstimateTurn<> turn_;  // of all members above
-  // Until when the estimate thread sleeps, ns. Of who has the turn.
+  // Until when the estimate thread sleeps, ns; 0: it has not begun. Of who has the turn.
   std::int64_t wake_at_ns_ = 0;
   std::atomic<std::uint64_t> heartbeat_{0};  // relaxed: a counter
 };
