@@ -16,6 +16,9 @@ constexpr std::chrono::nanoseconds kLongestSleepShared{board_layout::kHeartbeatP
 // Longest estimate that an acquire thread makes itself, ns. Shorter: the estimate thread is woken for more of
 // them. Longer: a device waits longer to be read, and frames of other devices with it.
 constexpr std::int64_t kLongestHereNs = 100'000;
+// Time after which an acquire thread begins no more estimates of others' frames, ns. Less: the estimate
+// thread is woken more often. More: its device waits longer to be read.
+constexpr std::int64_t kLongestTurnNs = 200'000;
 // Least time between frames of a device, in estimates, at which its acquire thread makes them. Less: the
 // device is read late when estimates take longer than usual. More: the estimate thread is woken more often.
 constexpr std::int64_t kLeastIntervals = 3;
@@ -134,8 +137,9 @@ void EstimateLoop::frame_delivered(std::size_t sensor, std::int64_t interval_ns)
     for (SensorState& state : states_) {
       if (left) break;
       if (state.instance == nullptr || !state.instance->feed->mailbox.has_unread()) continue;
-      if (is_short(state, kAnyIntervalNs)) {
-        estimate_here(state, monotonic_ns());
+      const std::int64_t later_ns = monotonic_ns();
+      if (is_short(state, kAnyIntervalNs) && later_ns - now_ns < kLongestTurnNs) {
+        estimate_here(state, later_ns);
       } else {
         left = true;
       }
