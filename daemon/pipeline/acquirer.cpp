@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <new>
+#include <utility>
 
 #include "core/zero/gain.hpp"
 
@@ -18,6 +19,11 @@ constexpr auto kReadTimeout = 50ms;
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
 constexpr auto kSilence = 2s;  // without a frame since the device was opened, before the reason is asked for
+// Frames over which the time between two is averaged: more than one scan of the largest bus has. Fewer: the
+// pause after a scan counts for the frames of the next. More: a change of the rate is seen later.
+constexpr std::int64_t kFramesOfInterval = 256;
+// A longer pause between frames says nothing more of the rate, ns.
+constexpr std::int64_t kLongestInterval = 100'000'000;
 constexpr std::size_t kAcquirerStackBytes = std::size_t{512} * 1024;
 
 // One factor a taxel; empty if all are 1. Throws DriverError if their number does not fit.
@@ -35,7 +41,7 @@ std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
 
 Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
                    std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
-                   Doorbell& estimate, FeedOpened opened)
+                   EstimateLoop& estimate, FeedOpened opened)
     : driver_(std::move(driver)),
       bias_store_(bias_store),
       log_(log),
@@ -275,6 +281,14 @@ void Acquirer::come_back() noexcept {
   set_link(DeviceLink::open);
 }
 
+// Mean time between frames of the device so far, ns.
+std::int64_t Acquirer::interval_since_last_frame() noexcept {
+  const auto now = Clock::now();
+  const std::int64_t since_ns = (now - std::exchange(last_frame_at_, now)) / std::chrono::nanoseconds(1);
+  interval_ns_ += (std::min(since_ns, kLongestInterval) - interval_ns_) / kFramesOfInterval;
+  return interval_ns_;
+}
+
 // False: a stop was requested while the source waited for the estimator.
 bool Acquirer::deliver(std::size_t index) noexcept {
   SensorChannel& channel = channels_[index];
@@ -299,8 +313,13 @@ bool Acquirer::deliver(std::size_t index) noexcept {
   channel.runtime->status.flight_tap.offer(slot);
   feed.mailbox.publish(slot, channel.arrivals);
   slot = feed.mailbox.writable();
-  estimate_.ring();
   if (channel.bias) channel.bias->after_publish();
+  const std::int64_t interval_ns = interval_since_last_frame();
+  if (feed.paced) {  // the device makes its next frame while this one is estimated
+    estimate_.ring();
+  } else {
+    estimate_.frame_delivered(channel.sensor, interval_ns);
+  }
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/pipeline/bias_store.hpp"
+#include "daemon/pipeline/estimate_loop.hpp"
 #include "daemon/pipeline/sensor_runtime.hpp"
 #include "daemon/rt/realtime.hpp"
 #include "daemon/rt/thread.hpp"
@@ -24,10 +25,10 @@ using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<FrameF
 class Acquirer {
  public:
   // `sensors`: indices into `runtimes` of this device's sensors, in the driver's order. `bias_store`,
-  // `runtimes`, `log` and `estimate` (rung for each frame) outlive it.
+  // `runtimes`, `log` and `estimate` (told of each frame) outlive it.
   Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
            std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
-           Doorbell& estimate, FeedOpened opened);
+           EstimateLoop& estimate, FeedOpened opened);
 
   // Starts the thread. Once.
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
@@ -69,6 +70,7 @@ class Acquirer {
   void come_back() noexcept;
   bool deliver(std::size_t index) noexcept;
   void set_link(DeviceLink link) noexcept;
+  std::int64_t interval_since_last_frame() noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
   std::unique_ptr<DeviceDriver> driver_;
@@ -76,7 +78,7 @@ class Acquirer {
   std::vector<FrameSlot> slots_;
   BiasStore& bias_store_;
   LogRing& log_;
-  Doorbell& estimate_;
+  EstimateLoop& estimate_;
   FeedOpened opened_;
   std::string name_;                 // the sensors' names, for the log
   std::string last_logged_trouble_;  // logged once, not at each attempt
@@ -86,6 +88,8 @@ class Acquirer {
   bool away_ = false;       // and the link is absent for it, although the device is open
   std::string silence_;     // the trouble that set_silence wrote; empty: none
   Doorbell::Clock::time_point opened_at_;
+  Doorbell::Clock::time_point last_frame_at_;
+  std::int64_t interval_ns_ = 0;  // mean time between frames of the device; 0: not known
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;

@@ -13,9 +13,33 @@ constexpr std::chrono::milliseconds kLongestSleep{200};
 constexpr std::size_t kFewFreeEvents = 1024;
 // While clients may read the heartbeat: half of its period leaves as much for a round and for waking.
 constexpr std::chrono::nanoseconds kLongestSleepShared{board_layout::kHeartbeatPeriodNs / 2};
+// Longest estimate that an acquire thread makes itself, ns. Shorter: the estimate thread is woken for more of
+// them. Longer: a device waits longer to be read, and frames of other devices with it.
+constexpr std::int64_t kLongestHereNs = 100'000;
+// Time after which an acquire thread begins no more estimates of others' frames, ns. Less: the estimate
+// thread is woken more often. More: its device waits longer to be read.
+constexpr std::int64_t kLongestTurnNs = 200'000;
+// Least time between frames of a device, in estimates, at which its acquire thread makes them. Less: the
+// device is read late when estimates take longer than usual. More: the estimate thread is woken more often.
+constexpr std::int64_t kLeastIntervals = 3;
+constexpr std::int64_t kAnyIntervalNs = kLeastIntervals * kLongestHereNs;
+// How often an acquire thread looks at all sensors for frames that came while it estimated, before it leaves
+// them to the estimate thread.
+constexpr int kMostLooks = 2;
+// How much later than it meant to the estimate thread may wake before acquire threads stop to estimate, ns,
+// so that a hanging one is seen at every door. Less: a busy machine stops them. More: it is seen later.
+constexpr std::int64_t kThreadGraceNs = 100'000'000;
+// Frames over which the time of an estimate is averaged. Fewer: one frame that was interrupted counts as long
+// work. More: a change is seen later.
+constexpr std::int64_t kFramesOfMean = 16;
 
 std::int64_t monotonic_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
+// FLANN allocates in each query (paper/neighbours/neighbours.hpp), which only the estimate thread may do.
+bool may_be_made_anywhere(Method method) noexcept {
+  return method != Method::svd_knn && method != Method::registered;
 }
 
 // At least three frames of a device that defines a slower rate, unless stale_after was configured.
@@ -40,32 +64,99 @@ EstimateLoop::EstimateLoop(Board& board, std::vector<std::unique_ptr<SensorRunti
 }
 
 void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
+  std::uint64_t requests = 0;
   for (;;) {
     const std::uint32_t rung = bell_.ring_count();  // before `stop`: a later stop ends the wait
-    if (stop.load(std::memory_order_relaxed)) break;
+    const bool ends = stop.load(std::memory_order_relaxed);
+    auto wake_at = Clock::now() + kLongestSleepShared;  // if another thread estimates: it rings
     bool busy = false;
-    const auto now = Clock::now();
-    bool new_memory = false;
-    const bool shared =
-        board_.shared.begin_round(now.time_since_epoch() / std::chrono::nanoseconds(1), new_memory);
-    if (new_memory) publish_shared();
-    auto wake_at = now + (shared ? kLongestSleepShared : std::chrono::nanoseconds(kLongestSleep));
-    for (SensorState& state : states_) {
-      busy = process(state) || busy;
-      if (!state.no_data && state.instance != nullptr) {
-        const std::chrono::nanoseconds deadline(state.idle_since_ns +
-                                                stale_after_ns(*state.runtime, *state.instance));
-        wake_at = std::min(wake_at, Clock::time_point(deadline));
+    if (turn_.ask_for_thread(requests)) {
+      if (ends) break;  // and keeps the turn: nobody estimates any more
+      busy = round(wake_at);
+      wake_at_ns_ = wake_at.time_since_epoch() / std::chrono::nanoseconds(1);
+      if (!turn_.done(requests)) {  // frames were delivered meanwhile
+        turn_.hand_over();
+        busy = true;
       }
+      heartbeat_.fetch_add(1, std::memory_order_relaxed);
     }
-    if (grasp_evaluator_.evaluate()) {
-      board_.io_wakeup.notify();
-      if (output_ != nullptr) output_->ring();
-    }
-    heartbeat_.fetch_add(1, std::memory_order_relaxed);
     if (!busy) bell_.wait(rung, wake_at);
   }
   for (SensorState& state : states_) adopt_instance(state, nullptr);
+}
+
+// Looks at all sensors; true if there was a frame. `wake_at`: when to look again if nothing rings.
+bool EstimateLoop::round(Clock::time_point& wake_at) noexcept {
+  bool busy = false;
+  bool new_memory = false;
+  const auto now = Clock::now();
+  std::int64_t now_ns = now.time_since_epoch() / std::chrono::nanoseconds(1);
+  const bool shared = board_.shared.begin_round(now_ns, new_memory);
+  if (new_memory) publish_shared();
+  wake_at = now + (shared ? kLongestSleepShared : std::chrono::nanoseconds(kLongestSleep));
+  for (SensorState& state : states_) {
+    if (process(state, now_ns)) {
+      busy = true;
+      now_ns = state.published.estimate.published_ns;  // one reading of the clock for each frame
+    }
+    if (!state.no_data && state.instance != nullptr) {
+      const std::chrono::nanoseconds deadline(state.idle_since_ns +
+                                              stale_after_ns(*state.runtime, *state.instance));
+      wake_at = std::min(wake_at, Clock::time_point(deadline));
+    }
+  }
+  evaluate_grasps();
+  return busy;
+}
+
+void EstimateLoop::evaluate_grasps() noexcept {
+  if (!grasp_evaluator_.evaluate()) return;
+  board_.io_wakeup.notify();
+  if (output_ != nullptr) output_->ring();
+}
+
+bool EstimateLoop::is_short(const SensorState& state, std::int64_t interval_ns) const noexcept {
+  const std::int64_t estimate_ns = state.estimate_ns.load(std::memory_order_relaxed);
+  return estimate_ns > 0 && estimate_ns < kLongestHereNs && estimate_ns * kLeastIntervals < interval_ns;
+}
+
+void EstimateLoop::frame_delivered(std::size_t sensor, std::int64_t interval_ns) noexcept {
+  SensorState& own = states_[sensor];
+  std::uint64_t requests = 0;
+  if (!is_short(own, interval_ns)) return bell_.ring();
+  if (!turn_.ask(requests)) return;
+  const std::int64_t now_ns = monotonic_ns();
+  if (now_ns > wake_at_ns_ + kThreadGraceNs) {  // it hangs: nobody would tell of stale sensors
+    turn_.hand_over();
+    return bell_.ring();
+  }
+  estimate_here(own, now_ns);
+  evaluate_grasps();
+  for (int looks = 0; !turn_.done(requests); ++looks) {
+    bool left = EstimateTurn<>::thread_asks(requests) || looks == kMostLooks;
+    for (SensorState& state : states_) {
+      if (left) break;
+      if (state.instance == nullptr || !state.instance->feed->mailbox.has_unread()) continue;
+      const std::int64_t later_ns = monotonic_ns();
+      if (is_short(state, kAnyIntervalNs) && later_ns - now_ns < kLongestTurnNs) {
+        estimate_here(state, later_ns);
+      } else {
+        left = true;
+      }
+    }
+    evaluate_grasps();
+    if (!left) continue;
+    turn_.hand_over();
+    return bell_.ring();
+  }
+}
+
+// A frame that has been delivered, in an acquire thread, which has the turn.
+void EstimateLoop::estimate_here(SensorState& state, std::int64_t now_ns) noexcept {
+  if (!process(state, now_ns) || state.instance == nullptr) return;
+  // The estimate thread sleeps longer than this sensor's frames may be late: it slept on another's, or
+  // without any.
+  if (now_ns + stale_after_ns(*state.runtime, *state.instance) < wake_at_ns_) bell_.ring();
 }
 
 // Writes all estimates into shared memory that io has just made.
@@ -81,16 +172,17 @@ void EstimateLoop::publish_shared(const SensorState& state) noexcept {
 }
 
 // One round for one sensor; true if there was a frame.
-bool EstimateLoop::process(SensorState& state) noexcept {
+bool EstimateLoop::process(SensorState& state, std::int64_t now_ns) noexcept {
   // The link before the mailbox: a recording's last frame is published before the link becomes ended.
   const DeviceLink link = state.runtime->status.link.load(std::memory_order_acquire);
-  if (EstimatorInstance* instance = state.runtime->incoming.exchange(nullptr, std::memory_order_acq_rel))
-    adopt_instance(state, instance);
+  // The load first: an exchange would take the cache line at each frame. Relaxed: the exchange orders.
+  if (state.runtime->incoming.load(std::memory_order_relaxed) != nullptr)
+    adopt_instance(state, state.runtime->incoming.exchange(nullptr, std::memory_order_acq_rel));
   const FrameSlot* slot = state.instance != nullptr ? state.instance->feed->mailbox.take() : nullptr;
   if (slot != nullptr) {
-    estimate_frame(state, *slot, monotonic_ns());
+    estimate_frame(state, *slot, now_ns);
   } else {
-    publish_no_data(state, link, monotonic_ns());
+    publish_no_data(state, link, now_ns);
   }
   if (state.event_pending) push_event(state, true);
   if (state.runtime->status.frame_copy.fill_if_requested(state.held)) board_.io_wakeup.notify();
@@ -122,6 +214,11 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   ++published.counts.estimated;
   publish(state);
   state.runtime->status.latency.record(published.estimate.published_ns - slot.time_ns);
+  if (!may_be_made_anywhere(state.instance->method)) return;
+  const std::int64_t took_ns = published.estimate.published_ns - now_ns;
+  const std::int64_t mean_ns = state.estimate_ns.load(std::memory_order_relaxed);
+  state.estimate_ns.store(mean_ns == 0 ? took_ns : mean_ns + (took_ns - mean_ns) / kFramesOfMean,
+                          std::memory_order_relaxed);
 }
 
 // Counts an implausible frame, and writes a line when a new reason takes a margin away.
@@ -204,6 +301,7 @@ void EstimateLoop::push_event(SensorState& state, bool changed) noexcept {
 void EstimateLoop::adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept {
   if (state.instance != nullptr) state.instance->retired.store(true, std::memory_order_release);
   state.instance = instance;
+  state.estimate_ns.store(0, std::memory_order_relaxed);
   state.held = nullptr;
   state.no_data = false;
   state.idle_since_ns = monotonic_ns();

@@ -1,20 +1,24 @@
-// The estimate thread: takes each sensor's newest frame, runs its estimator and publishes the result on the
-// board. It is the only writer of estimates, so it also publishes the states stale, fault and learning of
-// sensors without frames. While it runs it does not allocate, lock, log or throw. It waits on one doorbell,
-// at most until the next sensor becomes stale.
+// Takes each sensor's newest frame, runs its estimator and publishes the result on the board. An acquire
+// thread does so itself for the frame that it has just delivered, when that is short work and nobody else
+// estimates (estimate_turn.hpp): waking the estimate thread would cost more than the estimate. The estimate
+// thread does all else: long estimates, frames that came meanwhile, and the states stale, fault and learning
+// of sensors without frames. It waits on one doorbell, at most until the next sensor becomes stale. Neither
+// allocates, locks, logs or throws.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "daemon/pipeline/estimate_turn.hpp"
 #include "daemon/pipeline/grasp_evaluator.hpp"
 #include "daemon/pipeline/sensor_runtime.hpp"
 
 namespace slipd {
 
-// Thread-safe between the estimate thread and io.
+// Thread-safe between the estimate thread, acquire threads and io.
 class EstimateLoop {
  public:
   // Called from one thread: io, before the thread starts. The board has all sensors and grasps. `bell` is
@@ -26,6 +30,14 @@ class EstimateLoop {
   // The body of the estimate thread. Runs until `stop` is set and `bell` is rung, then retires all
   // estimators.
   void run(const std::atomic<bool>& stop) noexcept;
+
+  // Called from acquire threads, after they published a frame of this sensor. Estimates it here, unless the
+  // estimate is long beside `interval_ns`, the time between two frames of the device, or another thread
+  // estimates now; then that thread or the estimate thread does. Never blocks.
+  void frame_delivered(std::size_t sensor, std::int64_t interval_ns) noexcept;
+
+  // Called from any thread. What the estimate thread has to look at has changed.
+  void ring() noexcept { bell_.ring(); }
 
   // Called from any thread. Increases at least four times a second while the thread runs.
   std::uint64_t heartbeat() const noexcept { return heartbeat_.load(std::memory_order_relaxed); }
@@ -44,9 +56,16 @@ class EstimateLoop {
     Alert last_output_alert = Alert::unknown;
     Health last_health = Health::good;  // of the frame before
     bool zero_is_anothers = false;      // in the frame before
+    // Mean time of an estimate, ns; 0: not known, or only the estimate thread may make it. Relaxed: an
+    // independent value, for frame_delivered.
+    std::atomic<std::int64_t> estimate_ns{0};
   };
 
-  bool process(SensorState& state) noexcept;
+  bool round(std::chrono::steady_clock::time_point& wake_at) noexcept;
+  bool process(SensorState& state, std::int64_t now_ns) noexcept;
+  void estimate_here(SensorState& state, std::int64_t now_ns) noexcept;
+  void evaluate_grasps() noexcept;
+  bool is_short(const SensorState& state, std::int64_t interval_ns) const noexcept;
   void estimate_frame(SensorState& state, const FrameSlot& slot, std::int64_t now_ns) noexcept;
   void publish_no_data(SensorState& state, DeviceLink link, std::int64_t now_ns) noexcept;
   void count_health(SensorState& state) noexcept;
@@ -63,6 +82,9 @@ class EstimateLoop {
   Doorbell* output_;
   GraspEvaluator grasp_evaluator_;
   std::vector<SensorState> states_;
+  EstimateTurn<> turn_;  // of all members above
+  // Until when the estimate thread sleeps, ns; 0: it has not begun. Of who has the turn.
+  std::int64_t wake_at_ns_ = 0;
   std::atomic<std::uint64_t> heartbeat_{0};  // relaxed: a counter
 };
 

@@ -78,7 +78,7 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
         estimator_factory_.request(sensor, std::move(feed));
       };
       acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, runtimes_, bias_store_,
-                                                      new_log(board), bell_, std::move(opened)));
+                                                      new_log(board), estimate_loop_, std::move(opened)));
     } catch (const std::exception& error) {
       problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());
     }

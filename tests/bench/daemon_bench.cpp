@@ -1,6 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
 // line. Parts: latency, throughput, sensors, queries, startup, memory, idle, shared, push, each with its
-// floors.
+// floors; and, if they are named, growth and growth-goals (tools/growth).
 // --brief: each for a moment only, as a test of the program.
 #include <signal.h>
 #include <sys/socket.h>
@@ -263,6 +263,8 @@ int run(const std::set<std::string>& parts) {
   for (const auto& [name, body] : all) {
     if (parts.empty() || parts.count(name) > 0) body();
   }
+  if (parts.count("growth") > 0) growth();
+  if (parts.count("growth-goals") > 0) growth_goals();
   return 0;
 }
 

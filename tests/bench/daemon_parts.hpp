@@ -26,6 +26,12 @@ void shared();
 // Frames from a program beside those of a device in the daemon: latency and CPU time.
 void push();
 
+// One sensor to 128, as so many devices and on one bus: CPU time by thread, sample to shared memory, frames
+// skipped, memory; and what the devices and the estimates cost alone. The second measures only those that
+// have goals.
+void growth();
+void growth_goals();
+
 // From the start of redis-server to its first answer.
 void redis_startup();
 

@@ -143,6 +143,8 @@ Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to snapshot:
 
 {picture("sensors", "CPU and latency against sensors")}
 {table(["sensors", "CPU, % of a core", "p50", "p99", "skipped"], sensors)}
+Up to 128 sensors, on one bus or on as many devices, and where the time goes: [growth.md](growth.md).
+
 CAN needs a bus, which here only the guest of the real-kernel tests has, and a guest's times say nothing of hardware: what a
 bus adds is not on this page.
 """

@@ -32,6 +32,9 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
   "gap_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Leave a sequence number out."},
   "corrupt_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Report a corrupt packet."},
   "burst": {"type": "boolean", "default": false, "description": "Frames as fast as they can be made."},
+  "scan": {"type": "boolean", "default": false,
+    "description": "A frame of each sensor at every tick, as on a bus; else the sensors take turns."},
+  "place": {"type": "integer", "minimum": 0, "default": 0, "description": "Which of the bus it is: any number."},
   "paced": {"type": "boolean", "default": false, "description": "Wait for the consumer."},
   "simulated": {"type": "boolean", "default": true, "description": "What it says of itself."},
   "gamma": {"type": "number", "minimum": 0, "maximum": 1, "default": 0.5, "description": "The margin it shows."}
@@ -76,6 +79,7 @@ class TrialDriver : public DeviceDriver {
     gap_every_ = options_.at("gap_every");
     corrupt_every_ = options_.at("corrupt_every");
     burst_ = options_.at("burst");
+    scan_ = options_.at("scan");
     paced_ = options_.at("paced");
     gamma_ = options_.at("gamma");
     gate_ = options_.at("gate").get<std::string>();
@@ -136,7 +140,8 @@ class TrialDriver : public DeviceDriver {
       const ReadStatus instead = run_into_trouble();
       if (instead != ReadStatus::frame) return {instead, 0};
     }
-    if (!burst_ && !paced_) {
+    const bool in_scan = scan_ && given_ % sensors_.size() != 0;
+    if (!burst_ && !paced_ && !in_scan) {
       if (next_ > Clock::now() + timeout) {
         std::this_thread::sleep_for(timeout);
         return {};
@@ -242,8 +247,8 @@ class TrialDriver : public DeviceDriver {
   nlohmann::json options_;
   std::string behaviour_;
   std::uint64_t after_ = 0, gap_every_ = 0, corrupt_every_ = 0;
-  bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, silent_ = false, ends_ = false,
-       lies_ = false, allocates_ = false, raves_ = false;
+  bool burst_ = false, scan_ = false, paced_ = false, vanishes_ = false, hangs_ = false, silent_ = false,
+       ends_ = false, lies_ = false, allocates_ = false, raves_ = false;
   double gamma_ = 0.5;
   std::unique_ptr<std::string> garbage_;
   std::vector<std::vector<float>> normal_, shear_;
