@@ -1,9 +1,10 @@
 // Frames from a program, as it sends them to the driver `push`: a hello, then frames, each one message of a
-// Unix socket (SOCK_SEQPACKET). docs/push.md states every byte. All numbers are little-endian; a machine that
-// is not cannot build it.
+// Unix socket (SOCK_SEQPACKET); the values of large frames lie in shared memory. docs/push.md states every
+// byte. All numbers are little-endian; a machine that is not cannot build it.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -67,7 +68,7 @@ inline constexpr std::size_t kLongestAnswer = 512;
 // by side.
 struct FrameHead {
   std::uint16_t version = kVersion;
-  std::uint16_t flags = 0;     // kBad, or 0
+  std::uint16_t flags = 0;     // kBad, kInRing
   std::uint32_t size = 0;      // of the whole message, bytes
   std::uint64_t sequence = 0;  // rises; a jump by n is n - 1 lost frames
   std::int64_t time_ns = 0;    // of the sample, CLOCK_MONOTONIC; 0: now
@@ -76,6 +77,50 @@ static_assert(sizeof(FrameHead) == 24 && std::is_trivially_copyable_v<FrameHead>
 
 // The writer knows that this frame is no sample: it is counted and not used.
 inline constexpr std::uint16_t kBad = 1;
+// The message is a Notice: the values are in the ring.
+inline constexpr std::uint16_t kInRing = 2;
+
+// Shared memory for the values of one writer's frames. slipd makes it and gives its descriptor with the
+// answer `accepted`; no other writer gets the same. Values that are smaller, bytes, have no ring: measured, a
+// message that is copied twice then takes no longer.
+inline constexpr std::size_t kSmallestInRing = 16 * 1024;
+// Slots. Fewer: a writer that is ahead of slipd sooner sends frames by the socket. More: values that slipd
+// reads have left the processor's caches.
+inline constexpr std::uint32_t kRingSlots = 4;
+inline constexpr std::array<char, 8> kRingMagic{'s', 'l', 'i', 'p', 'r', 'i', 'n', 'g'};
+
+// At offset 0.
+struct RingHeader {
+  std::array<char, 8> magic = kRingMagic;
+  std::uint16_t version = kVersion;
+  std::uint16_t reserved = 0;
+  std::uint32_t slots = kRingSlots;
+  std::uint64_t slot_bytes = 0;  // from one slot to the next
+  // Number of the last frame in the ring that slipd does not read any more; slipd writes it, the writer reads
+  // it.
+  alignas(64) std::atomic<std::uint64_t> taken{0};
+};
+static_assert(sizeof(RingHeader) == 128 && offsetof(RingHeader, taken) == 64);
+
+// Slot n % slots holds frame n of the ring; frames count from 1. The values are behind it.
+struct alignas(64) RingSlot {
+  std::atomic<std::uint64_t> frame{0};  // whose values are whole; 0: none, or they are being written
+};
+static_assert(sizeof(RingSlot) == 64 && std::atomic<std::uint64_t>::is_always_lock_free);
+
+constexpr std::size_t ring_slot_bytes(std::size_t values_bytes) noexcept {
+  return sizeof(RingSlot) + (values_bytes + 63) / 64 * 64;
+}
+constexpr std::size_t ring_bytes(std::size_t values_bytes) noexcept {
+  return sizeof(RingHeader) + kRingSlots * ring_slot_bytes(values_bytes);
+}
+
+// The message of a frame whose values are in the ring.
+struct Notice {
+  FrameHead head;           // flags: kInRing
+  std::uint64_t frame = 0;  // of the ring
+};
+static_assert(sizeof(Notice) == 32 && std::is_trivially_copyable_v<Notice>);
 
 // Bytes of a whole frame.
 constexpr std::size_t frame_size(std::size_t taxels, std::size_t axes) noexcept {

@@ -18,6 +18,8 @@
 
 #include "clients/c/client.hpp"
 #include "clients/c/estimate.hpp"
+#include "clients/c/frame_ring.hpp"
+#include "core/storage/descriptor_passing.hpp"
 #include "push_layout/layout.hpp"
 
 using namespace slipd::client;
@@ -29,6 +31,7 @@ struct slipd_source {
   std::size_t frame_size = 0;     // bytes
   std::uint64_t sequence = 0;     // of the last frame
   slipd::UniqueFd socket;         // none: not connected
+  FrameRing ring;                 // of this connection, for large frames
   std::array<char, 640> error{};  // the path, and what slipd says
 };
 
@@ -95,14 +98,19 @@ int send_whole(const slipd_source& s, std::span<iovec> pieces, Clock::time_point
 int take_answer(slipd_source& s, Clock::time_point until) noexcept {
   std::array<char, sizeof(push_layout::Answer) + push_layout::kLongestAnswer + 1> message{};
   if (!wait_for(s, POLLIN, until)) return lose(s, EAGAIN);
-  ssize_t size = recv(s.socket.get(), message.data(), message.size() - 1, MSG_DONTWAIT);
+  slipd::PassedDescriptors passed;
+  const std::span<char> room(message.data(), message.size() - 1);
+  ssize_t size = slipd::receive_passed(s.socket.get(), room, passed, MSG_DONTWAIT);
   // The error of a message that came after slipd had closed; what slipd said before is still there.
   if (size < 0 && errno == ECONNRESET)
-    size = recv(s.socket.get(), message.data(), message.size() - 1, MSG_DONTWAIT);
+    size = slipd::receive_passed(s.socket.get(), room, passed, MSG_DONTWAIT);
   push_layout::Answer answer{};
   if (size < static_cast<ssize_t>(sizeof answer)) return lose(s, ECONNRESET);
   std::memcpy(&answer, message.data(), sizeof answer);
-  if (answer == push_layout::Answer::accepted) return SLIPD_DONE;
+  if (answer == push_layout::Answer::accepted) {
+    s.ring = FrameRing(passed.files[0], s.frame_size - sizeof(push_layout::FrameHead));
+    return SLIPD_DONE;
+  }
   s.socket = {};
   return note(s, SLIPD_REFUSED, message.data() + sizeof answer);
 }
@@ -178,10 +186,17 @@ int slipd_push(slipd_source* s, const float* values, int64_t time_ns, uint64_t s
                               .sequence = sequence == 0 ? s->sequence + 1 : sequence,
                               .time_ns = time_ns == 0 ? monotonic_ns() : time_ns};
   if (const int code = connect(*s, until); code != SLIPD_DONE) return code;
+  std::uint64_t in_ring = s->ring.put(values);
+  if (in_ring != 0) {
+    head.flags = push_layout::kInRing;
+    head.size = sizeof(push_layout::Notice);
+  }
   // sendmsg does not write to what its pieces point to.
   std::array<iovec, 2> pieces{
       {{&head, sizeof head}, {const_cast<float*>(values), s->frame_size - sizeof head}}};
+  if (in_ring != 0) pieces[1] = {&in_ring, sizeof in_ring};
   const int error = send_whole(*s, pieces, until);
+  if (error != 0 && in_ring != 0) s->ring.take_back();
   if (error == EPIPE || error == ECONNRESET) return take_answer(*s, Clock::now());
   if (error == EAGAIN) return note_system_error(*s, error);
   if (error != 0) return lose(*s, error);

@@ -14,17 +14,20 @@ constexpr std::uint64_t kLongestJump = std::uint64_t{1} << 32;
 
 using Four = float __attribute__((vector_size(16)));
 
+// Values where they arrive. Volatile reads them once: in shared memory a writer may change them meanwhile,
+// and what was found to be finite has to be what is used.
+using FourThere = float __attribute__((vector_size(16), aligned(4), may_alias));
+using OneThere = float __attribute__((aligned(4), may_alias));
+
 Four load(const std::uint8_t* from) noexcept {
-  Four four;
-  std::memcpy(&four, from, sizeof four);
-  return four;
+  return *reinterpret_cast<const volatile FourThere*>(from);
 }
 
 // Writes one value of a taxel, in Pa. `odd` becomes NaN if a value is not finite.
 void put(const std::uint8_t* value, float scale, float& to, float& odd) noexcept {
-  std::memcpy(&to, value, sizeof to);
-  to *= scale;
-  odd += 0 * to;
+  const float scaled = scale * *reinterpret_cast<const volatile OneThere*>(value);
+  to = scaled;
+  odd += 0 * scaled;
 }
 
 // Writes the values of a message with three axes into the slot, in Pa. False: one of them is not finite. Four
@@ -90,7 +93,8 @@ const char* describe(Refusal refusal) noexcept {
       "had a sequence that did not rise",
       "was too old, or was sent without a time and waited behind another",
       "had a time that is in the future, or before the last one",
-      "had values that are not finite"};
+      "had values that are not finite",
+      "had values in shared memory that were not whole"};
   return kTexts[static_cast<std::size_t>(refusal)];
 }
 
@@ -101,7 +105,8 @@ void FrameReader::begin(const Agreement& agreed) noexcept {
 
 Refusal FrameReader::check(const FrameHead& head, std::size_t size, std::int64_t now_ns, bool waiting,
                            std::int64_t& time_ns) const noexcept {
-  if (head.version != push_layout::kVersion || (head.flags & ~push_layout::kBad) != 0)
+  if (head.version != push_layout::kVersion ||
+      (head.flags & ~(push_layout::kBad | push_layout::kInRing)) != 0)
     return Refusal::unknown;
   if (head.size != size) return Refusal::wrong_size;
   if ((head.flags & push_layout::kBad) != 0) return Refusal::bad;
@@ -112,18 +117,13 @@ Refusal FrameReader::check(const FrameHead& head, std::size_t size, std::int64_t
   return now_ns - time_ns > max_age_ns_ ? Refusal::too_old : Refusal::none;
 }
 
-Refusal FrameReader::take(std::span<const std::uint8_t> message, std::int64_t now_ns, bool waiting,
-                          FrameSlot& slot) noexcept {
-  if (message.size() != push_layout::frame_size(agreed_.taxels, agreed_.axes)) return Refusal::wrong_size;
-  FrameHead head;
-  std::memcpy(&head, message.data(), sizeof head);
-  std::int64_t time_ns = 0;
-  const Refusal refusal = check(head, message.size(), now_ns, waiting, time_ns);
-  if (refusal != Refusal::none) return refusal;
-  const std::uint8_t* const values = message.data() + sizeof head;
+bool FrameReader::take_values(const std::uint8_t* values, FrameSlot& slot) const noexcept {
   const bool finite = agreed_.axes == 3 ? convert_three(values, agreed_.scale, slot)
                                         : convert_one(values, agreed_.scale[2], slot);
-  if (!finite && !(agreed_.displacement && holds_displacements(slot))) return Refusal::not_finite;
+  return finite || (agreed_.displacement && holds_displacements(slot));
+}
+
+void FrameReader::keep(const FrameHead& head, std::int64_t time_ns, FrameSlot& slot) noexcept {
   last_sequence_ += begun_ ? head.sequence - last_written_ : 1;
   last_written_ = head.sequence;
   begun_ = true;
@@ -132,6 +132,42 @@ Refusal FrameReader::take(std::span<const std::uint8_t> message, std::int64_t no
   slot.time_ns = time_ns;
   slot.device_time_ns = -1;
   slot.truth = {};
+}
+
+Refusal FrameReader::take_from_ring(std::span<const std::uint8_t> message, FrameRing& ring,
+                                    std::int64_t now_ns, bool waiting, FrameSlot& slot) noexcept {
+  push_layout::Notice notice;
+  if (message.size() != sizeof notice ||
+      push_layout::frame_size(agreed_.taxels, agreed_.axes) != sizeof(FrameHead) + ring.values_bytes())
+    return Refusal::wrong_size;
+  std::memcpy(&notice, message.data(), sizeof notice);
+  if ((notice.head.flags & push_layout::kInRing) == 0) return Refusal::wrong_size;
+  std::int64_t time_ns = 0;
+  Refusal refusal = check(notice.head, message.size(), now_ns, waiting, time_ns);
+  if (refusal == Refusal::none) {
+    const bool whole = ring.holds(notice.frame);
+    const bool finite = whole && take_values(ring.values(notice.frame), slot);
+    if (!whole || !ring.holds(notice.frame))
+      refusal = Refusal::torn;
+    else if (!finite)
+      refusal = Refusal::not_finite;
+  }
+  ring.give_back(notice.frame);
+  if (refusal == Refusal::none) keep(notice.head, time_ns, slot);
+  return refusal;
+}
+
+Refusal FrameReader::take(std::span<const std::uint8_t> message, std::int64_t now_ns, bool waiting,
+                          FrameSlot& slot) noexcept {
+  if (message.size() != push_layout::frame_size(agreed_.taxels, agreed_.axes)) return Refusal::wrong_size;
+  FrameHead head;
+  std::memcpy(&head, message.data(), sizeof head);
+  if ((head.flags & push_layout::kInRing) != 0) return Refusal::unknown;
+  std::int64_t time_ns = 0;
+  const Refusal refusal = check(head, message.size(), now_ns, waiting, time_ns);
+  if (refusal != Refusal::none) return refusal;
+  if (!take_values(message.data() + sizeof head, slot)) return Refusal::not_finite;
+  keep(head, time_ns, slot);
   return Refusal::none;
 }
 

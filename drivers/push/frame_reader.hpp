@@ -6,6 +6,7 @@
 #include <span>
 
 #include "drivers/push/agreement.hpp"
+#include "drivers/push/frame_ring.hpp"
 
 namespace slipd::push {
 
@@ -18,7 +19,8 @@ enum class Refusal : std::uint8_t {
   repeated,     // its sequence does not rise
   too_old,      // its sample, or nobody knows how old it is
   not_ordered,  // its sample is of the future, or before the last one
-  not_finite    // a value is no number, or too large for Pa
+  not_finite,   // a value is no number, or too large for Pa
+  torn          // its values in the ring are not whole
 };
 
 // For people, after "the last message ". Constant.
@@ -37,10 +39,18 @@ class FrameReader {
   Refusal take(std::span<const std::uint8_t> message, std::int64_t now_ns, bool waiting,
                FrameSlot& slot) noexcept;
 
+  // The same of a notice, whose values are in `ring`; their slot is given back.
+  Refusal take_from_ring(std::span<const std::uint8_t> message, FrameRing& ring, std::int64_t now_ns,
+                         bool waiting, FrameSlot& slot) noexcept;
+
  private:
   // The head by itself, and the time of its sample.
   Refusal check(const push_layout::FrameHead& head, std::size_t size, std::int64_t now_ns, bool waiting,
                 std::int64_t& time_ns) const noexcept;
+  // False: they are no numbers.
+  bool take_values(const std::uint8_t* values, FrameSlot& slot) const noexcept;
+  // The frame is one.
+  void keep(const push_layout::FrameHead& head, std::int64_t time_ns, FrameSlot& slot) noexcept;
 
   std::int64_t max_age_ns_;
   Agreement agreed_;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "drivers/pacing.hpp"
 
 namespace slipd::push {
@@ -82,7 +83,7 @@ PushDriver::PushDriver(const std::vector<SensorSetup>& sensors)
 DeviceInfo PushDriver::open() {
   if (reopening_) {
     reopening_ = false;
-    tell(writer_.socket.get(), Answer::accepted, "");
+    tell_accepted();
   } else {
     close();
     socket_ = PushSocket(options_.path, options_.mode, options_.owner, options_.group);
@@ -103,6 +104,7 @@ void PushDriver::close() noexcept {
   if (reopening_) return;
   candidate_ = {};
   writer_ = {};
+  ring_ = FrameRing();
   socket_ = PushSocket();
 }
 
@@ -179,7 +181,7 @@ bool PushDriver::hear_candidate() noexcept {
   }
   accept_candidate(agreed);
   reopening_ = is_of_another_kind();
-  if (!reopening_) tell(writer_.socket.get(), Answer::accepted, "");
+  if (!reopening_) tell_accepted();
   return reopening_;
 }
 
@@ -191,11 +193,23 @@ void PushDriver::accept_candidate(const Agreement& agreed) noexcept {
   const std::int64_t now_ns = monotonic_ns();
   writer_ = {std::move(candidate_.socket), now_ns};
   candidate_ = {};
+  ring_ = FrameRing();
   agreed_ = agreed;
   reader_.begin(agreed);
   allowance_ns_ = now_ns;
   refused_.front() = 0;
   last_refusal_ = Refusal::none;
+}
+
+void PushDriver::tell_accepted() noexcept {
+  const std::size_t values_bytes = agreed_.taxels * agreed_.axes * sizeof(float);
+  ring_ = values_bytes < push_layout::kSmallestInRing ? FrameRing() : FrameRing(values_bytes);
+  const Answer accepted = Answer::accepted;
+  std::array<char, sizeof accepted> message{};
+  std::memcpy(message.data(), &accepted, sizeof accepted);
+  (void)send_passing(writer_.socket.get(), {message.data(), message.size()}, ring_.descriptor(),
+                     MSG_DONTWAIT | MSG_NOSIGNAL);
+  ring_.close_descriptor();
 }
 
 bool PushDriver::is_of_another_kind() const noexcept {
@@ -214,8 +228,10 @@ ReadResult PushDriver::hear_writer(FrameSlot& slot) noexcept {
   const bool waiting = ::recv(writer_.socket.get(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
   writer_.heard_ns = now_ns;
   allowance_ns_ = std::max(allowance_ns_, now_ns) + period_ns_ / kMostRates;
-  last_refusal_ =
-      reader_.take(std::span(message_).first(static_cast<std::size_t>(size)), now_ns, waiting, slot);
+  const auto message = std::span(message_).first(static_cast<std::size_t>(size));
+  const bool in_ring = ring_ && message.size() == sizeof(push_layout::Notice);
+  last_refusal_ = in_ring ? reader_.take_from_ring(message, ring_, now_ns, waiting, slot)
+                          : reader_.take(message, now_ns, waiting, slot);
   if (last_refusal_ != Refusal::none) return {ReadStatus::corrupt, 0};
   frame_ns_ = now_ns;
   return {ReadStatus::frame, 0};

@@ -10,6 +10,10 @@
 //                     |                                |
 //                     +-- contradiction: told, closed  +-- end of file: gone
 //
+// The values of large frames are not in the message but in memory that is shared with the writer (FrameRing),
+// which saves a copy. The message is then a notice, so that order, waking, waiting and the writer's death are
+// the socket's as before. A writer that has not mapped the memory, or finds it full, sends whole frames.
+//
 // A writer that has sent nothing for a while (kPatience) loses its place to the next candidate. Without one,
 // or with one that sends no frame, read() returns `away`.
 #pragma once
@@ -21,6 +25,7 @@
 
 #include "drivers/push/agreement.hpp"
 #include "drivers/push/frame_reader.hpp"
+#include "drivers/push/frame_ring.hpp"
 #include "drivers/push/options.hpp"
 #include "drivers/push/push_socket.hpp"
 
@@ -52,6 +57,8 @@ class PushDriver final : public DeviceDriver {
   // Whether frames now are of another kind, so that the device has to be opened again.
   bool hear_candidate() noexcept;
   void accept_candidate(const Agreement& agreed) noexcept;
+  // Gives the writer a ring, if its frames are large.
+  void tell_accepted() noexcept;
   ReadResult hear_writer(FrameSlot& slot) noexcept;
   bool is_of_another_kind() const noexcept;
   bool is_away() const noexcept;
@@ -62,6 +69,7 @@ class PushDriver final : public DeviceDriver {
   const std::int64_t patience_ns_;  // without a message or frame, before a writer counts as silent
   PushSocket socket_;
   Peer candidate_, writer_;
+  FrameRing ring_;          // the writer's own: no earlier writer reaches it
   Agreement agreed_;        // with the writer, or without one
   Agreement announced_;     // what open() described
   bool reopening_ = false;  // read() has asked for close() and open(), which keep all connections

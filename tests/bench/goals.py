@@ -20,7 +20,7 @@ WHY = {
     "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the baseline's are "
                        "woken at once again, and the estimate between them",
     "shared readers": "readers take the slots' cache lines away, which slipd's thread has to fetch again",
-    "push": "a frame is copied into the kernel and out of it, and one thread more has to be woken",
+    "push": "a frame is copied once more, from the program's memory to that shared with slipd, and one thread more has to be woken",
     "training": "it goes over the columns until the vectors stand, five times",
     "startup": "the device's drivers are mapped, the model read and its tree built; auto tries its methods on 48 contacts first",
     "memory": "most of it is code that several processes share",

@@ -395,6 +395,57 @@ class Gel(Scenarios, unittest.TestCase):
             self.push_until(source, self.pressed(0.1), lambda sensor: sensor["alert"] == "none", "its end")
 
 
+class LargeScenarios:
+    """Frames whose values go through shared memory."""
+
+    SIDE = 48
+
+    def setUp(self):
+        self.daemon = Scene({"layout": {"grid": [self.SIDE, self.SIDE], "pitch_mm": 0.25}})
+        self.addCleanup(self.daemon.close)
+        await_true(lambda: os.path.exists(os.path.join(self.daemon.folder.name, "push", "left")), "the sensor's socket")
+        self.client = slipd.Client(self.daemon.socket)
+        self.addCleanup(self.client.close)
+
+    def sensor(self):
+        return self.client.call("status")["sensors"][0]
+
+    def shares(self, process):
+        with open(f"/proc/{process}/maps") as maps:
+            return any("memfd:slipd-push" in line for line in maps)
+
+    def test_large_frames_come_whole_through_shared_memory_and_none_is_lost(self):
+        with self.make("left", taxels=self.SIDE ** 2, rate_hz=RATE_HZ, unit="Pa", zeroed=True, path=self.daemon.socket) as source:
+            for number in range(1, 31):
+                values = [[float(number), float(i), float(i % 100)] for i in range(self.SIDE ** 2)]
+                source.push(values)
+                await_true(lambda: self.sensor()["received"] == number, "the frame")
+                frame = self.client.call("frame", {"sensor": "left"})
+                self.assertEqual([list(taxel) for taxel in zip(frame["shear_x_pa"], frame["shear_y_pa"], frame["normal_pa"])], values, number)
+            self.assertTrue(self.shares(os.getpid()) and self.shares(self.daemon.process.pid), "shared memory")
+        sensor = self.sensor()
+        self.assertEqual((sensor["corrupt"], sensor["lost"]), (0, 0))
+
+    def test_more_frames_at_once_than_there_are_slots_all_come(self):
+        with self.make("left", taxels=self.SIDE ** 2, rate_hz=RATE_HZ, unit="Pa", zeroed=True, path=self.daemon.socket) as source:
+            self.daemon.process.send_signal(signal.SIGSTOP)
+            try:
+                for number in range(1, 7):
+                    source.push([[0.0, 0.0, float(number)]] * self.SIDE ** 2)
+            finally:
+                self.daemon.process.send_signal(signal.SIGCONT)
+            await_true(lambda: self.sensor()["received"] == 6, "all frames")
+            self.assertEqual((self.sensor()["corrupt"], self.sensor()["lost"]), (0, 0))
+
+
+class PythonLarge(LargeScenarios, unittest.TestCase):
+    make = slipd.Source
+
+
+class CLarge(LargeScenarios, unittest.TestCase):
+    make = CSource
+
+
 class PythonMargins(MarginScenarios, unittest.TestCase):
     make = slipd.Source
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "core/storage/unique_fd.hpp"
 #include "push_layout/layout.hpp"
 #include "tests/support/patience.hpp"
@@ -60,8 +61,10 @@ class PushWriter {
   // What the driver says next; code 0xFFFFFFFF: it has closed the connection, or says nothing.
   Answer answer(int flags = 0) {
     std::vector<char> message(1024);
-    ssize_t size = ::recv(socket_.get(), message.data(), message.size(), flags);
-    if (size < 0 && errno == ECONNRESET) size = ::recv(socket_.get(), message.data(), message.size(), flags);
+    PassedDescriptors passed;
+    ssize_t size = receive_passed(socket_.get(), message, passed, flags);
+    if (size < 0 && errno == ECONNRESET) size = receive_passed(socket_.get(), message, passed, flags);
+    if (passed.count > 0) ring_ = std::move(passed.files[0]);
     Answer said{push_layout::Answer{0xFFFF'FFFF}, ""};
     if (size < static_cast<ssize_t>(sizeof said.code)) return said;
     std::memcpy(&said.code, message.data(), sizeof said.code);
@@ -69,8 +72,11 @@ class PushWriter {
     return said;
   }
 
+  // The descriptor that came with an answer; negative: none.
+  int ring() const { return ring_.get(); }
+
  private:
-  UniqueFd socket_;
+  UniqueFd socket_, ring_;
 };
 
 }  // namespace slipd::testing

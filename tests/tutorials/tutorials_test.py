@@ -1,4 +1,4 @@
-"""The pages of docs/tutorials against the real programs: what a page shows is what is printed.
+"""The pages of docs/tutorials, and a program's way through docs/first-sensor.md, against the real programs: what a page shows is what is printed.
 
 A page's first jsonc block is the configuration, its python block the program, each text block what the commands or the program before it print
 ("…": anything). Only paths differ here: sockets, and the simulated device in place of a real one."""
@@ -44,7 +44,10 @@ class Tutorial(unittest.TestCase):
         return settings
 
     def starts(self, page, device=None):
-        daemon = subprocess.Popen([BUILD / "bin/slipd", "--config", self.configured(page, device)], env=self.environment, stderr=subprocess.DEVNULL)
+        self.runs_slipd(self.configured(page, device))
+
+    def runs_slipd(self, settings):
+        daemon = subprocess.Popen([BUILD / "bin/slipd", "--config", settings], env=self.environment, stderr=subprocess.DEVNULL)
         self.addCleanup(daemon.wait, PATIENCE_S)
         self.addCleanup(daemon.terminate)
         await_true(lambda: os.path.exists(self.socket) or daemon.poll() is not None, "slipd's socket")
@@ -156,6 +159,65 @@ class Tutorial(unittest.TestCase):
             settings.write_text(blocks("ros2.md", "jsonc")[0])
             checked = subprocess.run([program, "--config", settings, "--check-config"], capture_output=True, text=True)
             self.assertEqual(checked.returncode, 0, checked.stderr + checked.stdout)
+
+    def test_the_first_sensor_of_a_program_is_zeroed_and_alerts(self):
+        """docs/first-sensor.md: the configuration and the program of its section on programs, then its commands. The page leaves the SDK's
+        `read` to the reader: here it is a pad with an offset, that is gripped once there is a zero, and then pulled."""
+        shell, program = blocks("../first-sensor.md", "sh"), blocks("../first-sensor.md", "python")[0]
+        told = next(block for block in shell if "tee /etc/slipd/slipd.json" in block)
+        settings = self.folder / "slipd.json"
+        begun = f'{{ "realtime": {{ "mode": "off" }}, "socket": {{ "path": "{self.socket}" }},'
+        # Step 4 of the page: a pad of few taxels needs to be told its friction.
+        friction = re.search(r'`"friction": \[0\.3, 0\.8\]`', (PAGES / "../first-sensor.md").read_text(encoding="utf-8"))[0].strip("`")
+        settings.write_text(re.search(r"<<'END'\n(.*?)END\n", told, re.DOTALL)[1].replace("{", begun, 1).replace('"driver": "push",', f'"driver": "push", {friction},'))
+        self.runs_slipd(settings)
+        trouble = re.search(r"slipctl status +# trouble: (.*)", told)[1].replace("/run/slipd", str(self.folder))
+        status = ["slipctl", "--socket", self.socket, "status"]
+        await_true(lambda: trouble in subprocess.run(status, env=self.environment, capture_output=True, text=True).stdout, trouble)
+
+        pulls = self.folder / "zeroed"
+        read = f"""
+import itertools, os, random, time
+frames, noise = itertools.count(), random.Random(1)
+def read():
+    time.sleep(0.01)
+    if os.path.exists({str(pulls)!r}): read.loaded = next(frames)
+    at = read.loaded % 400  # grips, pulls and lets go, again and again: a busy machine may miss one
+    grip, pull = (min(4.0, 0.1 * at), max(0.0, 0.015 * (at - 100))) if at < 300 else (0.0, 0.0)
+    return [[0.3 + pull / 16 + noise.gauss(0, 0.001), noise.gauss(0, 0.001), 0.5 + grip / 16 * (0.8 + 0.4 * (taxel % 4 > 1)) + noise.gauss(0, 0.001)]
+            for taxel in range(16)]
+read.loaded = 0
+"""
+        running = subprocess.Popen([sys.executable, "-u", "-c", read + self.here(program).replace('slipd.Source("left",', f'slipd.Source("left", path="{self.socket}",')],
+                                   env=self.environment, stdout=subprocess.PIPE, text=True)
+        ended = threading.Timer(PATIENCE_S, running.kill)
+        ended.start()
+        self.addCleanup(running.communicate)
+        self.addCleanup(running.kill)
+        self.addCleanup(ended.cancel)
+
+        def prints(state):
+            for line in running.stdout:
+                if line.split()[0] == state:
+                    return line
+            return self.fail(f"the program did not print {state}")
+
+        self.assertEqual(prints("unzeroed").split()[1], "None")
+        rebias = next(line.split("#") for line in "".join(shell).splitlines() if line.startswith("sudo slipctl rebias"))
+        command = self.here(rebias[0]).split()[1:]
+        self.assertRegex(subprocess.run(command, env=self.environment, capture_output=True, text=True, check=True).stdout,
+                         as_pattern(re.sub(r"\d+", "…", rebias[1]).strip()))
+        prints("no_contact")
+        alerts = subprocess.Popen(["slipctl", "--socket", self.socket, "watch", "left"], env=self.environment, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(alerts.communicate)
+        self.addCleanup(alerts.kill)
+        watched = threading.Timer(PATIENCE_S, alerts.kill)
+        watched.start()
+        self.addCleanup(watched.cancel)
+        self.assertTrue(any("no_contact" in line for line in alerts.stdout), "what it shows before the grip")
+        pulls.touch()
+        self.assertGreater(float(prints("ok").split()[1]), 0)
+        self.assertTrue(any(re.search(r"\b(warn|slip)\b", line) for line in alerts.stdout), "an alert")
 
 
 if __name__ == "__main__":

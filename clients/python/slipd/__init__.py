@@ -850,6 +850,8 @@ class AsyncClient:
 
 _HELLO = struct.Struct("<8sHBBIdB7x")  # magic, version, axes, unit, taxels, rate_hz, zero
 _FRAME_HEAD = struct.Struct("<HHIQq")  # version, flags, size, sequence, time_ns
+_RING_HEAD = struct.Struct("<8sHHIQ")  # of the shared memory: magic, version, 0, slots, bytes from slot to slot
+_RING_HEAD_BYTES, _RING_SLOT_HEAD_BYTES, _RING_TAKEN, _IN_RING = 128, 64, 64, 2
 _ANSWER = struct.Struct("<I")  # then a text
 _UNITS = {None: 0, "Pa": 1, "N": 2, "counts": 3, "uT": 4, "mm": 5}
 _ZEROS = {None: 0, False: 1, True: 2}
@@ -882,6 +884,45 @@ def _flat(values: Any) -> Iterator[float]:
             yield from _flat(value)
 
 
+class _FrameRing:
+    """The values of large frames, in memory that slipd shares with this program: docs/push.md. The notice that follows by the socket
+    makes them visible to slipd: the kernel's lock of the socket's queue orders them before it."""
+
+    def __init__(self, memory: mmap.mmap, slots: int, slot_bytes: int) -> None:
+        self._bytes = memoryview(memory)
+        self._words = self._bytes.cast("Q")  # an item is read and written as one word
+        self._slots, self._slot_bytes, self._put = slots, slot_bytes, 0
+
+    @classmethod
+    def of(cls, file: int, values_bytes: int) -> _FrameRing | None:
+        """None if it is not what this module knows: then frames go by the socket."""
+        try:
+            memory = mmap.mmap(file, 0)
+        except (OSError, ValueError):
+            return None
+        finally:
+            os.close(file)
+        if sys.byteorder != "little" or len(memory) < _RING_HEAD_BYTES:
+            return None
+        magic, version, _, slots, slot_bytes = _RING_HEAD.unpack_from(memory)
+        known = magic == b"slipring" and version == _PUSH_VERSION and slots > 0 and slot_bytes % 8 == 0
+        if not known or slot_bytes < _RING_SLOT_HEAD_BYTES + values_bytes or len(memory) != _RING_HEAD_BYTES + slots * slot_bytes:
+            return None
+        return cls(memory, slots, slot_bytes)
+
+    def put(self, values: bytes | memoryview) -> int:
+        """The frame's number in the ring; 0: slipd still reads what is there."""
+        number = self._put + 1
+        if number > self._words[_RING_TAKEN // 8] + self._slots:
+            return 0
+        at = _RING_HEAD_BYTES + number % self._slots * self._slot_bytes
+        self._words[at // 8] = 0
+        begin = at + _RING_SLOT_HEAD_BYTES
+        self._bytes[begin:begin + len(values)] = values
+        self._words[at // 8] = self._put = number
+        return number
+
+
 class Source:
     """Frames of a sensor from this program, for a sensor whose driver in slipd's configuration is "push".
 
@@ -909,6 +950,7 @@ class Source:
         self._values_bytes = 4 * taxels * axes
         self._sequence = 0  # of the last frame
         self._socket: socket.socket | None = None
+        self._ring: _FrameRing | None = None
 
     def __enter__(self) -> Source:
         self.connect()
@@ -921,7 +963,7 @@ class Source:
         """Ends the connection; a later push makes a new one."""
         if self._socket is not None:
             self._socket.close()
-        self._socket = None
+        self._socket = self._ring = None
 
     def connect(self) -> None:
         """Connects, unless it is connected. Raises SlipdError, Disconnected or TimeoutError."""
@@ -937,7 +979,7 @@ class Source:
                 self._socket.sendall(self._hello)
             except BrokenPipeError:
                 pass  # the answer says why
-            code, text = self._answer()
+            code, text = self._answer(accepts_ring=True)
         except OSError as error:
             self.close()
             raise self._why(error) from error
@@ -957,12 +999,15 @@ class Source:
         if len(values) != self._values_bytes:
             raise ValueError(f"the frame has {len(values) // 4} values; expected {self._values_bytes // 4}, taxels x axes")
         number = self._sequence + 1 if sequence is None else sequence
-        head = _FRAME_HEAD.pack(_PUSH_VERSION, 1 if bad else 0, _FRAME_HEAD.size + len(values), number,
-                                time.monotonic_ns() if time_ns is None else time_ns)
+        sampled_ns = time.monotonic_ns() if time_ns is None else time_ns
         self.connect()
         assert self._socket is not None
+        flags, rest = 1 if bad else 0, values
+        if self._ring is not None and (in_ring := self._ring.put(values)):
+            flags, rest = flags | _IN_RING, struct.pack("<Q", in_ring)
+        head = _FRAME_HEAD.pack(_PUSH_VERSION, flags, _FRAME_HEAD.size + len(rest), number, sampled_ns)
         try:
-            self._socket.sendmsg((head, values))
+            self._socket.sendmsg((head, rest))
         except (BrokenPipeError, ConnectionResetError) as error:
             raise self._lost(error) from error
         except OSError as error:
@@ -970,12 +1015,16 @@ class Source:
             raise self._why(error) from error
         self._sequence = number
 
-    def _answer(self) -> tuple[int, str]:
+    def _answer(self, accepts_ring: bool = False) -> tuple[int, str]:
         assert self._socket is not None
+        room = socket.CMSG_SPACE(struct.calcsize("i")) if accepts_ring else 0
         try:
-            message = self._socket.recv(_LONGEST_ANSWER)
+            message, passed, *_ = self._socket.recvmsg(_LONGEST_ANSWER, room)
         except ConnectionResetError:  # of a hello that came after the refusal, which is still there
-            message = self._socket.recv(_LONGEST_ANSWER)
+            message, passed, *_ = self._socket.recvmsg(_LONGEST_ANSWER, room)
+        for level, kind, content in passed:
+            if (level, kind) == (socket.SOL_SOCKET, socket.SCM_RIGHTS):
+                self._ring = _FrameRing.of(struct.unpack("i", content)[0], self._values_bytes)
         if len(message) < _ANSWER.size:
             raise ConnectionResetError
         return _ANSWER.unpack_from(message)[0], message[_ANSWER.size:].decode(errors="replace")
