@@ -25,6 +25,7 @@ Four load(const std::uint8_t* from) noexcept {
 
 // Writes one value of a taxel, in Pa. `odd` becomes NaN if a value is not finite.
 void put(const std::uint8_t* value, float scale, float& to, float& odd) noexcept {
+  // cppcheck-suppress invalidPointerCast ; the values are floats, and the type may alias
   const float scaled = scale * *reinterpret_cast<const volatile OneThere*>(value);
   to = scaled;
   odd += 0 * scaled;
