@@ -20,12 +20,13 @@ using FourThere = float __attribute__((vector_size(16), aligned(4), may_alias));
 using OneThere = float __attribute__((aligned(4), may_alias));
 
 Four load(const std::uint8_t* from) noexcept {
+  // cppcheck-suppress invalidPointerCast ; the values are floats, and the type may alias
   return *reinterpret_cast<const volatile FourThere*>(from);
 }
 
 // Writes one value of a taxel, in Pa. `odd` becomes NaN if a value is not finite.
 void put(const std::uint8_t* value, float scale, float& to, float& odd) noexcept {
-  // cppcheck-suppress invalidPointerCast ; the values are floats, and the type may alias
+  // cppcheck-suppress invalidPointerCast ; as above
   const float scaled = scale * *reinterpret_cast<const volatile OneThere*>(value);
   to = scaled;
   odd += 0 * scaled;
