@@ -192,6 +192,7 @@ class Untimed(FeedTest):
         self.feed(profile=os.path.join(self.daemon.folder.name, "cell.json"))
         await_true(lambda: f":{port:04X} " in Path("/proc/net/udp").read_text(), "its port")
         self.program.process.send_signal(signal.SIGSTOP)
+        os.waitpid(self.program.process.pid, os.WUNTRACED)  # until it has stopped
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for _ in range(WAITING):
                 sender.sendto(struct.pack(f">{3 * TAXELS}f", *(value for taxel in HELD for value in taxel)), ("127.0.0.1", port))
