@@ -16,8 +16,8 @@ using Four = float __attribute__((vector_size(16)));
 
 // Values where they arrive. Volatile reads them once: in shared memory a writer may change them meanwhile,
 // and what was found to be finite has to be what is used.
-using FourThere = float __attribute__((vector_size(16), aligned(4), may_alias));
-using OneThere = float __attribute__((aligned(4), may_alias));
+using FourThere = float __attribute__((vector_size(16), aligned(1), may_alias));
+using OneThere = float __attribute__((aligned(1), may_alias));
 
 Four load(const std::uint8_t* from) noexcept {
   // cppcheck-suppress invalidPointerCast ; the values are floats, and the type may alias
