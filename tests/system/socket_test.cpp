@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <set>
@@ -58,7 +59,14 @@ class Socket : public ::testing::Test {
 };
 
 TEST_F(Socket, GammaComesWithTruthAndUnitsAndTheGraspAddsUp) {
-  const json all = daemon_.wait_for("gamma", [](const json& r) { return r["grasps"][0]["state"] == "ok"; });
+  const auto sum_n = [](const json& r) {
+    return r["sensors"][0]["normal_n"].get<double>() + r["sensors"][1]["normal_n"].get<double>();
+  };
+  // An answer may have a sensor's next frame already, and the grasp's not yet.
+  const json all = daemon_.wait_for("gamma", [&](const json& r) {
+    const json& grasp = r["grasps"][0];
+    return grasp["state"] == "ok" && std::fabs(grasp["normal_n"].get<double>() - sum_n(r)) < 1e-9;
+  });
   for (const json& sensor : all["sensors"]) {
     EXPECT_NEAR(sensor["gamma"].get<double>(), sensor["truth"]["gamma"].get<double>(), 0.05);
     EXPECT_EQ(sensor["class"], 3);
@@ -69,9 +77,7 @@ TEST_F(Socket, GammaComesWithTruthAndUnitsAndTheGraspAddsUp) {
   const json& grasp = all["grasps"][0];
   EXPECT_EQ(grasp["state"], "ok");
   EXPECT_NEAR(grasp["gamma"].get<double>(), 0.5, 0.05);
-  EXPECT_NEAR(grasp["normal_n"].get<double>(),
-              all["sensors"][0]["normal_n"].get<double>() + all["sensors"][1]["normal_n"].get<double>(),
-              1e-9);
+  EXPECT_NEAR(grasp["normal_n"].get<double>(), 4.1, 0.1);
 }
 
 TEST_F(Socket, OneSensorIsAskedForByName) {
