@@ -30,8 +30,8 @@ class EstimateTurn {
   // Wait-free.
   bool ask(std::uint64_t& seen) noexcept {
     // Acquire: pairs with the release in done and hand_over. Release: pairs with the acquire in done, so that
-    // who has the turn sees the frame. All changes are read-modify-writes, so each release reaches whoever
-    // reads a later value. 63 bits of requests are never used up.
+    // who has the turn sees the frame. All changes are read-modify-writes, so each release reaches
+    // all who read a later value. 63 bits of requests are never used up.
     const std::uint64_t before = word_.fetch_add(1, std::memory_order_acq_rel);
     seen = before + 1;
     return before == 0;

@@ -1,12 +1,12 @@
 #include "daemon/rpc/releasing_request.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "daemon/rpc/request_params.hpp"
 #include "daemon/rpc/rpc.hpp"
+#include "daemon/rt/clock.hpp"
 
 namespace slipd {
 namespace {
@@ -30,8 +30,7 @@ nlohmann::ordered_json releasing(const nlohmann::json& params, Board& board) {
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   const double for_s = seconds_of(params);
-  const std::int64_t now_ns =
-      std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+  const std::int64_t now_ns = Now::read().monotonic_ns;
   auto named = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     SensorStatus& status = *board.sensors[i];

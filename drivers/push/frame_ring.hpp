@@ -30,7 +30,7 @@ namespace slipd::push {
 
 class FrameRing {
  public:
-  // No memory: contains() is false.
+  // No memory: false as a bool.
   FrameRing() = default;
   // Memory for frames whose values have this many bytes; none if the kernel has none to give.
   explicit FrameRing(std::size_t values_bytes) noexcept;

@@ -3,28 +3,19 @@
 #include <sys/socket.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "clients/c/connection.hpp"
+#include "clients/c/json_values.hpp"
 
 namespace slipctl {
 namespace {
 
-using Status = nlohmann::json;
+using slipd::client::number;
+using slipd::client::text;
 
 constexpr std::chrono::milliseconds kPatience{100};
 constexpr std::string_view kOrder = "status\n";
-
-std::optional<double> number_in(const Status& status, const char* key) {
-  const auto found = status.find(key);
-  return found != status.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
-
-std::string text_in(const Status& status, const char* key) {
-  const auto found = status.find(key);
-  return found != status.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 GripWatch unknown(const char* why) {
   GripWatch grip;
@@ -33,13 +24,13 @@ GripWatch unknown(const char* why) {
 }
 
 GripWatch grip_from(std::string_view line) {
-  const Status status = Status::parse(line, nullptr, false);
+  const slipd::client::Json status = slipd::client::Json::parse(line, nullptr, false);
   if (!status.is_object()) return unknown("says what is no status");
-  const std::string gripper = text_in(status, "gripper");
-  return {.state = text_in(status, "state"),
-          .why = text_in(status, "why"),
-          .force_n = number_in(status, "force_n"),
-          .width_mm = number_in(status, "width_mm"),
+  const std::string gripper = text(status, "gripper");
+  return {.state = text(status, "state"),
+          .why = text(status, "why"),
+          .force_n = number(status, "force_n"),
+          .width_mm = number(status, "width_mm"),
           .trouble = gripper == "answers" ? "" : gripper};
 }
 

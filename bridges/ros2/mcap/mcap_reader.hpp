@@ -1,6 +1,6 @@
-// Reads the messages of MCAP files (mcap.dev/spec, version 0) in the order in which they stand there, whoever
-// has written them: chunks without compression, by LZ4 and by zstd, with and without an index. One thread at
-// a time; any bytes are valid input.
+// Reads the messages of MCAP files (mcap.dev/spec, version 0) of any writer, in the order of the file: chunks
+// without compression, by LZ4 and by zstd, with and without an index. One thread at a time; any bytes are
+// valid input.
 //
 // A file that was cut, as after a loss of power, gives what is whole; fault() then says where it ends.
 #pragma once

@@ -5,16 +5,15 @@ from pathlib import Path
 import slipd
 import websockets
 from awaiting import PATIENCE_S, await_true
+from margins_of_messages import MarginsOfMessages
 from ports import free_port
 
 SOURCE = os.environ["SLIPD_SOURCE_DIR"]
 sys.path.insert(0, os.path.join(SOURCE, "tests", "clients"))
-from push_test import HELD, NOTHING, PITCH_M, RATE_HZ, SIDE, Scene, contact  # contacts of Cattaneo and Mindlin, in Pa
+from push_test import HELD, NOTHING, PITCH_M, SIDE, Scene  # contacts of Cattaneo and Mindlin, in Pa
 
 BUILD = os.environ["SLIPD_BINARY_DIR"]
 TAXELS = SIDE ** 2
-OLD_S = 3600
-MARGIN_ERROR = 0.1  # of single frames by `moments`, on taxels a tenth of the radius wide
 WAITING = 10  # datagrams that the kernel keeps for a socket, whatever it is set to
 SMALL = 100  # frames slipd hears of what the test does not want used: so many chances to use one
 
@@ -48,7 +47,7 @@ class Program:
         return {name: int(count) for count, name in (each.split(" ", 1) for each in summary.split("left: ")[1].split(", "))}
 
 
-class FeedTest(unittest.TestCase):
+class FeedTest(MarginsOfMessages, unittest.TestCase):
     """What every source has: `frame_message(frame)` makes the next message, `send(message)` sends it."""
 
     def setUp(self):
@@ -63,35 +62,8 @@ class FeedTest(unittest.TestCase):
         self.program = Program(self.daemon, **settings)
         self.addCleanup(self.program.end)
 
-    def estimate(self):
-        return self.client.gamma("left", max_age_s=OLD_S)
-
     def counts(self):
         return self.client.call("status")["sensors"][0]
-
-    def send_until(self, frame, condition, what):
-        """Sends messages of the frame at the sensor's rate until the sensor's estimate is so; returns it."""
-        def sent():
-            self.send(self.frame_message(frame))
-            time.sleep(1 / RATE_HZ)
-            estimate = self.estimate()
-            return estimate if condition(estimate) else None
-        return await_true(sent, what)
-
-    def hold(self, pull=0.3):
-        """The margin of this contact, when slipd says it."""
-        self.send_until(NOTHING, lambda each: each.state == "no_contact", "the zero")
-        return self.send_until(contact(1, pull), lambda each: each.gamma is not None and abs(each.gamma - (1 - pull)) < MARGIN_ERROR,
-                               f"the margin {1 - pull}")
-
-    def never_a_margin(self, messages):
-        """None of these messages, made before, gives a margin once slipd has heard nothing for a second."""
-        await_true(lambda: self.estimate().state == "fault", "a fault")
-        for number, message in enumerate(messages):
-            self.send(message)
-            time.sleep(1 / RATE_HZ)
-            estimate = self.estimate()
-            self.assertEqual((estimate.gamma, estimate.state), (None, "fault"), number)
 
 
 class Datagrams(FeedTest):

@@ -3,14 +3,13 @@ import json, math, os, signal, struct, subprocess, sys, tempfile, time, unittest
 
 import slipd
 from awaiting import PATIENCE_S, await_true
+from margins_of_messages import MARGIN_ERROR, OLD_S, MarginsOfMessages
 
 sys.path.insert(0, os.path.join(os.environ["SLIPD_SOURCE_DIR"], "tests", "clients"))
-from push_test import HELD, NOTHING, PITCH_M, RATE_HZ, SIDE, Scene, contact  # contacts of Cattaneo and Mindlin, in Pa
+from push_test import HELD, RATE_HZ, SIDE, Scene, contact  # contacts of Cattaneo and Mindlin, in Pa
 
 BUILD = os.environ["SLIPD_BINARY_DIR"]
 TAXELS = SIDE ** 2
-OLD_S = 3600
-MARGIN_ERROR = 0.1  # of single frames by `moments`, on taxels a tenth of the radius wide
 SMALL = 50  # frames slipd hears of what the test does not want used: so many chances to use one
 TOPIC = "/left/taxels"
 INT16, FLOAT32, FLOAT64 = 3, 7, 8  # of sensor_msgs/PointField
@@ -126,7 +125,7 @@ class Program:
         return {name: int(count) for count, name in (each.split(" ", 1) for each in summary.split(f"{self.sensor}: ")[1].split(", "))}
 
 
-class Bed(unittest.TestCase):
+class Bed(MarginsOfMessages, unittest.TestCase):
     KIND = "std_msgs::msg::dds_::Float32MultiArray_"
     PROFILE = {"type": "std_msgs/Float32MultiArray", "columns": [0, 1, 2], "array": {"row": 3}, "unit": "Pa"}
     frame_message = staticmethod(array)
@@ -158,32 +157,8 @@ class Bed(unittest.TestCase):
         self.feed(**settings)
         self.publish().await_subscription()
 
-    def estimate(self):
-        return self.client.gamma("left", max_age_s=OLD_S)
-
-    def send_until(self, frame, condition, what):
-        """Sends messages of the frame at the sensor's rate until the sensor's estimate is so; returns it."""
-        def sent():
-            self.publisher.send(self.frame_message(frame))
-            time.sleep(1 / RATE_HZ)
-            estimate = self.estimate()
-            return estimate if condition(estimate) else None
-        return await_true(sent, what)
-
-    def hold(self, pull=0.3):
-        """The margin of this contact, when slipd says it."""
-        self.send_until(NOTHING, lambda each: each.state == "no_contact", "the zero")
-        return self.send_until(contact(1, pull), lambda each: each.gamma is not None and abs(each.gamma - (1 - pull)) < MARGIN_ERROR,
-                               f"the margin {1 - pull}")
-
-    def never_a_margin(self, messages):
-        """None of these messages gives a margin once slipd has heard nothing for a second."""
-        await_true(lambda: self.estimate().state == "fault", "a fault")
-        for number, message in enumerate(messages):
-            self.publisher.send(message)
-            time.sleep(1 / RATE_HZ)
-            estimate = self.estimate()
-            self.assertEqual((estimate.gamma, estimate.state), (None, "fault"), number)
+    def send(self, message):
+        self.publisher.send(message)
 
 
 class Arrays(Bed):
