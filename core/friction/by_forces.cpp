@@ -1,14 +1,26 @@
 #include "core/friction/by_forces.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace slipd {
 namespace {
 
-constexpr double kSecondsPerNs = 1e-9;
+double square(double x) noexcept {
+  return x * x;
+}
+
+FrictionFilterOptions with_rate(FrictionFilterOptions options) noexcept {
+  options.posterior.falls_per_s = options.posterior.rises_per_s = options.force_only_changes_per_s;
+  return options;
+}
 
 }  // namespace
 
 FrictionByForces::FrictionByForces(const FrictionPrior& prior, const FrictionFilterOptions& options)
-    : FrictionFilter(prior, options.force_only_points, options), traction_ratio_(options.traction_ratio) {}
+    : FrictionFilter(prior, options.force_only_points, with_rate(options)),
+      traction_ratio_(options.traction_ratio) {}
 
 void FrictionByForces::reset() noexcept {
   reset_evidence();
@@ -19,34 +31,27 @@ void FrictionByForces::reset() noexcept {
 void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   traction_ratio_.update(patch);
-  frame_ = {.traction_ratio = traction_ratio_.now()};
-  fade(frame.time_ns);
+  traction_ratio_now_ = traction_ratio_.now();
+  begin_frame(frame);
   forget_lighter(patch);
   watch_hook();
   const bool self_stressed =
       grasp_.exceeds_friction || frame.previous.field.internal_share > options_.max_internal_share;
   if (!self_stressed) {
-    const auto [load, frames] = traction_ratio_.held();
-    bound_below(load, frames);
+    MeanSigma held = traction_ratio_.held().load;
+    held.mean = std::min(held.mean, traction_ratio_.now().mean);  // the mean lags behind a load that falls
+    posterior_.bound_below(held);
   }
   if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);
   if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !self_stressed)
     weigh_slide(*slide);
-  grid_.normalise();
-}
-
-// Evidence of forces alone grows old.
-void FrictionByForces::fade(std::int64_t time_ns) noexcept {
-  const double passed_s =
-      grasp_.last_ns > 0 ? static_cast<double>(time_ns - grasp_.last_ns) * kSecondsPerNs : 0;
-  grasp_.last_ns = time_ns;
-  grid_.fade(std::exp(-std::max(0.0, passed_s) / options_.forget_s));
+  posterior_.conclude();
 }
 
 void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
   if (patch.normal_n <= options_.grown * grasp_.lighter_n) return;
-  if (grasp_.lighter_n > 0) grid_.fade(options_.kept_when_grown);
+  if (grasp_.lighter_n > 0) posterior_.may_have_changed(1 - options_.kept_when_grown);
   grasp_.lighter_n = patch.normal_n;
 }
 
@@ -54,11 +59,11 @@ void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
 // rose to that is forgotten.
 void FrictionByForces::watch_hook() noexcept {
   const MeanSigma load = traction_ratio_.held().load;
-  const double highest = grid_.friction(grid_.count() - 1), lowest = grid_.friction(0);
+  const double highest = grid().friction(grid().count() - 1), lowest = grid().friction(0);
   if (load.mean - options_.exceeds_friction_sigmas * load.sigma > options_.exceeds_friction * highest)
     grasp_.exceeds_friction = true;
   if (!grasp_.exceeds_friction) return;
-  grid_.reset();
+  posterior_.reset();
   grasp_.exceeds_friction = load.mean > lowest;
 }
 
@@ -67,19 +72,26 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
   const double load = patch.shear_n / patch.normal_n;
   history_.classify(traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n));
   if (!is_monotonic(history()) || !reading.in_model) return;
-  PerFriction residuals;  // the first grid_.count() of them
-  for (std::size_t j = 0; j < grid_.count(); ++j) residuals[j] = margin_residual(j, load, reading, {});
-  evidence_.discount.add(reading.sigma / options_.alike_sigma);
-  part_errors(patch);
-  take_evidence(residuals, reading.sigma < options_.confirming_sigma, share_of_margin(load, reading));
+  if (reading.profile.known) {
+    weigh_profile(reading.profile, load);
+    explain(0, reading.sigma < options_.confirming_sigma);
+    return;
+  }
+  PerFriction residuals;  // the first grid().count() of them
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < grid().count(); ++j) {
+    residuals[j] = reading.gamma - (1 - load / grid().friction(j));
+    least = std::min(least, square(residuals[j] / reading.sigma));
+  }
+  explain(least, reading.sigma < options_.confirming_sigma);
+  weigh_margin(residuals, reading, 0, std::min(1.0, load / likeliest()));
 }
 
-// Coulomb: friction is the |Q|/P of a slide.
+// Coulomb: friction is the |Q|/P of a slide, whose roughness is the same from frame to frame.
 void FrictionByForces::weigh_slide(const TractionRatioFilter::Slide& slide) noexcept {
-  for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double off = std::log(grid_.friction(j) / slide.load) / slide.sigma;
-    grid_.take(j, options_.frame_share * 0.5 * std::min(off * off, options_.max_slide_residual));
-  }
+  PerFriction residuals;  // the first grid().count() of them
+  for (std::size_t j = 0; j < grid().count(); ++j) residuals[j] = std::log(slide.load / grid().friction(j));
+  posterior_.weigh(Evidence::slide, residuals, slide.sigma, slide.sigma);
 }
 
 }  // namespace slipd

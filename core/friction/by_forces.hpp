@@ -15,7 +15,6 @@ class FrictionByForces final : public FrictionFilter {
   void reset() noexcept override;
 
  private:
-  void fade(std::int64_t time_ns) noexcept;
   void forget_lighter(const ContactPatch& patch) noexcept;
   void watch_hook() noexcept;
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
@@ -25,8 +24,7 @@ class FrictionByForces final : public FrictionFilter {
   struct GraspState {
     double lighter_n = 0;  // P that the evidence stands for; 0: none yet
     bool exceeds_friction =
-        false;                 // the load exceeded any friction, and has not fallen below all of them since
-    std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
+        false;  // the load exceeded any friction, and has not fallen below all of them since
   };
 
   TractionRatioFilter traction_ratio_;

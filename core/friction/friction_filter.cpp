@@ -1,7 +1,12 @@
 #include "core/friction/friction_filter.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace slipd {
 namespace {
+
+constexpr double kSecondsPerNs = 1e-9;
 
 double square(double x) noexcept {
   return x * x;
@@ -11,89 +16,79 @@ double square(double x) noexcept {
 
 FrictionFilter::FrictionFilter(const FrictionPrior& prior, std::size_t points,
                                const FrictionFilterOptions& options)
-    : options_(options), grid_(prior, points, options.grid), history_(options.history) {}
+    : options_(options), posterior_(prior, points, options.posterior), history_(options.history) {}
 
 void FrictionFilter::reset_evidence() noexcept {
-  grid_.reset();
+  posterior_.reset();
   history_.contact_lost();
-  evidence_ = {};
-  frame_ = {};
-}
-
-void FrictionFilter::forget_common() noexcept {
-  evidence_.discount = {};
-  evidence_.of_margins.known = evidence_.of_moments.known = 0;
+  traction_ratio_now_ = {};
+  last_ns_ = 0;
+  torque_ = false;
+  normal_n_ = shear_n_ = 0;
+  mean_residual_ = 1;
 }
 
 void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   history_.lose(why);
-  grid_.reset();
-  forget_common();
+  posterior_.reset();
 }
 
-void FrictionFilter::bound_below(const MeanSigma& load, double frames) noexcept {
-  for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double over = (load.mean - grid_.friction(j)) / load.sigma;
-    if (over > 0) grid_.take(j, frames * 0.5 * over * over);
+void FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
+  const ContactPatch& patch = frame.patch;
+  const double seconds =
+      last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
+  const double moved = std::hypot((patch.normal_n - normal_n_) / patch.normal_n,
+                                  (patch.shear_n - shear_n_) / (likeliest() * patch.normal_n));
+  posterior_.decorrelate(moved);
+  posterior_.begin(seconds);
+  const bool torque = frame.reading != nullptr && frame.reading->under_torque;
+  if (normal_n_ > 0 && !torque && !torque_) watch_drop(patch);
+  torque_ = torque;
+  last_ns_ = frame.time_ns;
+  normal_n_ = patch.normal_n;
+  shear_n_ = patch.shear_n;
+}
+
+// A load that falls between two frames was let go, or friction has fallen to it: forces alone do not tell.
+void FrictionFilter::watch_drop(const ContactPatch& patch) noexcept {
+  constexpr double kNoise = 4;  // deviations of a difference of loads that noise alone hardly makes
+  const double now = patch.shear_n / patch.normal_n;
+  const double noise = kNoise * std::hypot(patch.shear_sigma_n, now * patch.normal_sigma_n) / patch.normal_n;
+  const double unseen = (shear_n_ / normal_n_ - now - noise) / likeliest() - options_.seen_drop;
+  if (unseen > 0) posterior_.may_have_changed(-std::expm1(-unseen / options_.unseen_drop), 0);
+}
+
+// A margin between two points of the grid is off by up to half a step, in each frame alike.
+void FrictionFilter::weigh_margin(std::span<const double> residuals, const Reading& reading,
+                                  double offset_sigma, double utilisation) noexcept {
+  const double between = std::sqrt(variance_of_step(grid().step() * utilisation));
+  const double common = std::hypot(std::hypot(reading.common_sigma, offset_sigma), between);
+  const double noise = std::sqrt(std::max(0.0, square(reading.sigma) - square(reading.common_sigma)));
+  posterior_.weigh(Evidence::margin, residuals, common, noise);
+}
+
+// The signed root of twice the misfit is a residual in units of the frame's noise (Barndorff-Nielsen 1986).
+void FrictionFilter::weigh_profile(const MarginProfile& profile, double load) noexcept {
+  const auto best = std::min_element(profile.misfit.begin(), profile.misfit.end()) - profile.misfit.begin();
+  const double best_gamma = MarginProfile::gamma_of(static_cast<std::size_t>(best));
+  PerFriction residuals;  // the first grid().count() of them
+  for (std::size_t j = 0; j < grid().count(); ++j) {
+    const double gamma = 1 - load / grid().friction(j);
+    residuals[j] = std::copysign(std::sqrt(2 * std::max(0.0, profile.at(gamma))), best_gamma - gamma);
   }
+  posterior_.weigh(Evidence::margin, residuals, options_.profile_common_share, 1);
 }
 
-void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
-  const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
-  const double moved = std::hypot((patch.normal_n - evidence_.normal_n) / patch.normal_n,
-                                  (patch.shear_n - evidence_.shear_n) / limit_n);
-  const double kept = std::exp(-moved / options_.parting_share);
-  evidence_.of_margins.known *= kept;
-  evidence_.of_moments.known *= kept;
-  evidence_.normal_n = patch.normal_n;
-  evidence_.shear_n = patch.shear_n;
-}
-
-// Friction's relative error is Gamma's over 1 - Gamma. The likeliest friction's Gamma: by the frame's own,
-// noise that lowers Gamma would weigh more than noise that raises it.
-double FrictionFilter::share_of_margin(double load, const Reading& reading) noexcept {
-  if (reading.profile.known || !(reading.common_sigma > 0)) return 1;
-  const double utilisation =
-      std::clamp(load / grid_.friction(grid_.likeliest()), options_.min_mobilised, 1.0);
-  const double all = square(reading.sigma / utilisation), own = square(reading.common_sigma / utilisation),
-               usual = evidence_.of_margins.usual(reading.common_sigma, options_.common_gain) / utilisation;
-  return evidence_.of_margins.add(square(usual), std::max(all - own, options_.min_noise_share * all));
-}
-
-double FrictionFilter::margin_residual(std::size_t friction, double load, const Reading& reading,
-                                       const MeanSigma& offset) const noexcept {
-  const double utilisation = load / grid_.friction(friction);
-  if (reading.profile.known)
-    return options_.frame_share * evidence_.discount.share() * 2 *
-           reading.profile.at(1 - utilisation - offset.mean);
-  const double step = options_.grid_share * grid_.step();
-  return square(reading.gamma + offset.mean - 1 + utilisation) /
-         (square(reading.sigma) + square(offset.sigma) + square(step * utilisation));
-}
-
-bool FrictionFilter::take_evidence(const PerFriction& residuals, bool confirms_monotonic,
-                                   double share) noexcept {
-  const double likeliest = residuals[grid_.likeliest()];
-  const double least =
-      *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
-  frame_.surprised = likeliest > options_.surprising_residual;
-  evidence_.mean_residual = options_.residual_memory * evidence_.mean_residual +
-                            (1 - options_.residual_memory) * std::min(least, options_.max_residual);
-  evidence_.cusum.add(0.5 * likeliest, options_.cusum_drift_nats);
-  if (least > options_.outlier_residual) {
-    if (history_.outlier()) lose_history(HistoryEvent::outlier_run);
-    return false;
+bool FrictionFilter::explain(double least_squared, bool confirms_monotonic) noexcept {
+  const bool outlier = least_squared > options_.outlier_residual;
+  mean_residual_ +=
+      (1 - options_.residual_memory) * (std::min(least_squared, options_.max_residual) - mean_residual_);
+  if (!outlier) {
+    history_.explained(confirms_monotonic);
+  } else if (history_.outlier()) {
+    lose_history(HistoryEvent::outlier_run);
   }
-  if (evidence_.cusum.nats > options_.cusum_threshold_nats) {
-    evidence_.cusum = {};
-    forget_common();
-    grid_.reset();
-  }
-  if (frame_.surprised || doubted()) forget_common();
-  history_.explained(confirms_monotonic);
-  const double half = 0.5 * share;
-  for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));
-  return true;
+  return !outlier;
 }
 
 }  // namespace slipd

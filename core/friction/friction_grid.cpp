@@ -1,101 +1,88 @@
 #include "core/friction/friction_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 namespace slipd {
-namespace {
-
-double square(double x) noexcept {
-  return x * x;
-}
-
-}  // namespace
-
 FrictionGrid::FrictionGrid(const FrictionPrior& prior, std::size_t count, const FrictionGridOptions& options)
     : options_(options),
       count_(count),
       step_(std::log(options.max_friction / options.min_friction) / static_cast<double>(count - 1)) {
+  // In nats: a friction far outside of what the scene expects can still be learnt.
+  constexpr double kMostAgainst = 40;
+  double sum = 0;
   for (std::size_t j = 0; j < count_; ++j) {
     friction_[j] = options.min_friction * std::exp(step_ * static_cast<double>(j));
-    log_prior_[j] = -std::min(prior.nats_against(friction_[j]), options.max_prior_nats);
+    prior_[j] = std::exp(-std::min(prior.nats_against(friction_[j]), kMostAgainst));
+    sum += prior_[j];
   }
+  for (std::size_t j = 0; j < count_; ++j) prior_[j] /= sum;
   reset();
 }
 
-void FrictionGrid::fade(double keep) noexcept {
-  for (std::size_t j = 0; j < count_; ++j)
-    log_weight_[j] = log_prior_[j] + keep * (log_weight_[j] - log_prior_[j]);
-}
-
-void FrictionGrid::open_below(double nats) noexcept {
-  const std::size_t top = likeliest();
-  for (std::size_t j = 0; j < top; ++j) log_weight_[j] = std::max(log_weight_[j], log_weight_[top] - nats);
+void FrictionGrid::assign(std::span<const double> weights) noexcept {
+  const auto these = weights.first(count_);
+  const double sum = std::accumulate(these.begin(), these.end(), 0.0);
+  if (!(sum > 0)) {
+    reset();
+    return;
+  }
+  std::transform(these.begin(), these.end(), weight_.begin(), [sum](double weight) { return weight / sum; });
 }
 
 std::size_t FrictionGrid::likeliest() const noexcept {
-  const auto end = log_weight_.begin() + static_cast<std::ptrdiff_t>(count_);
-  return static_cast<std::size_t>(std::max_element(log_weight_.begin(), end) - log_weight_.begin());
+  const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
+  return static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin());
 }
 
-void FrictionGrid::normalise() noexcept {
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
-  constexpr double kNoLead = 1e-9;  // nats: keeps the quotient finite where two points are level
-  const std::size_t top = likeliest();
-  const double most = log_weight_[top];
-  const double beside =
-      std::max(top > 0 ? log_weight_[top - 1] : kNone, top + 1 < count_ ? log_weight_[top + 1] : kNone);
-  const double soften = std::min(1.0, options_.max_lead_nats / (most - beside + kNoLead));
+// Median, and half of what lies between the quantiles of one standard deviation: a change of friction that
+// may have been, with a small weight far away, does not widen what is known of the present one. What lies
+// between two points of the grid is not distinguished.
+FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
+  constexpr double kLow = 0.1587, kHigh = 0.8413;  // of a Gaussian, one standard deviation on either side
+  Quantiles out;
+  double below = 0;
   for (std::size_t j = 0; j < count_; ++j) {
-    const double floor = log_prior_[j] - (j < top ? options_.floor_below_nats : options_.floor_above_nats);
-    log_weight_[j] = std::max(soften * (log_weight_[j] - most), floor);
+    const double with_it = below + weight_[j];
+    const auto place = [&](double share) {
+      return friction_[j] * std::exp(step_ * ((share - below) / weight_[j] - 0.5));
+    };
+    if (below < kLow && with_it >= kLow) out.low = place(kLow);
+    if (below < 0.5 && with_it >= 0.5) out.middle = place(0.5);
+    if (below < kHigh && with_it >= kHigh) {
+      out.high = place(kHigh);
+      break;
+    }
+    below = with_it;
   }
+  return out;
 }
 
 MeanSigma FrictionGrid::friction() const noexcept {
-  const std::size_t top = likeliest();
-  PosteriorSums sums;
-  double near_top = 0;
-  for (std::size_t j = 0; j < count_; ++j) {
-    const double w = std::exp(log_weight_[j]);
-    sums.add(w, friction_[j]);
-    if (j + 2 >= top && j <= top + 2) near_top += w;
-  }
-  MeanSigma mu{sums.mean(), std::sqrt(sums.variance())};
-  if (top > 0 && top + 1 < count_ && near_top > options_.peak_share * sums.weight()) {
-    // The peak is as sharp as the grid: a parabola through its three points, of which the top's is 0.
-    const double below = log_weight_[top - 1], above = log_weight_[top + 1], curvature = -below - above;
-    if (curvature > options_.min_curvature_nats) {
-      mu.mean = friction_[top] * std::exp(0.5 * step_ * (above - below) / curvature);
-      mu.sigma = mu.mean * step_ / std::sqrt(curvature);
-    }
-  }
-  mu.sigma = std::hypot(mu.sigma, options_.sigma_floor * mu.mean);
-  return mu;
+  const Quantiles mu = quantiles();
+  return {mu.middle, std::hypot(0.5 * (mu.high - mu.low), options_.sigma_floor * mu.middle)};
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {
-  const MeanSigma mu = friction();
-  if (mu.sigma < options_.sharp_sigma * mu.mean) return {1 / mu.mean, mu.sigma / (mu.mean * mu.mean)};
-  PosteriorSums sums;
-  for (std::size_t j = 0; j < count_; ++j) sums.add(std::exp(log_weight_[j]), 1 / friction_[j]);
-  return {sums.mean(), std::sqrt(sums.variance())};
+  const Quantiles mu = quantiles();
+  return {1 / mu.middle, std::hypot(0.5 * (1 / mu.low - 1 / mu.high), options_.sigma_floor / mu.middle)};
 }
 
+// Sigma counts all that friction may be.
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
-  const MeanSigma mu = friction();
   load_sigma = std::hypot(load_sigma, options_.load_floor);
-  if (mu.sigma < options_.sharp_sigma * mu.mean) {
-    const double utilisation = load / mu.mean;
-    return {std::clamp(1 - utilisation, 0.0, 1.0), std::hypot(utilisation * mu.sigma, load_sigma) / mu.mean};
+  const double middle = quantiles().middle;
+  const auto at = [load](double friction) { return std::clamp(1 - load / friction, 0.0, 1.0); };
+  const double margin = at(middle);
+  PosteriorSums off;
+  for (std::size_t j = 0; j < count_; ++j) {
+    const double by = at(friction_[j]) - margin;
+    off.add(weight_[j], by * by);
   }
-  PosteriorSums sums;
-  for (std::size_t j = 0; j < count_; ++j)
-    sums.add(std::exp(log_weight_[j]), std::clamp(1 - load / friction_[j], 0.0, 1.0));
-  const double utilisation = 1 - sums.mean();
-  const double per_load = load > options_.load_floor ? utilisation / load : 1 / mu.mean;
-  return {sums.mean(),
-          std::sqrt(sums.variance() + variance_of_step(step_ * utilisation) + square(load_sigma * per_load))};
+  const double floor = std::hypot(options_.sigma_floor, std::sqrt(variance_of_step(step_)));
+  return {margin,
+          std::sqrt(off.mean() + std::pow(floor * (1 - margin), 2) + std::pow(load_sigma / middle, 2))};
 }
 
 }  // namespace slipd

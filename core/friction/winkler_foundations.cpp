@@ -125,9 +125,9 @@ void WinklerFoundations::assume_monotonic(double normal_n, double shear_n) noexc
   follow(normal_n, shear_n);
 }
 
-void WinklerFoundations::weaken(std::size_t from, const PerBed<std::int32_t>& which) noexcept {
+void WinklerFoundations::take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept {
   if (!(normal_n_ > 0)) return;
-  for (std::size_t j = 0; j < from; ++j) {
+  for (std::size_t j = 0; j < count_; ++j) {
     if (which[j] == 0) continue;
     for (auto& row : loads_) row[j] = row[from];
     const double most_n = friction_[j] * normal_n_;

@@ -36,13 +36,13 @@ class WinklerFoundations {
   // Forgets the past: shear rose from nothing to shear_n under a normal force that did not change.
   void assume_monotonic(double normal_n, double shear_n) noexcept;
 
-  // The beds before `from` for which `chosen` is true go on from its contact, as far as their friction holds
+  // The beds for which `chosen` is true go on from the contact of bed `from`, as far as their friction holds
   // it under the same load.
   template <typename Chosen>
-  void weaken(std::size_t from, Chosen chosen) noexcept {
+  void take_over(std::size_t from, Chosen chosen) noexcept {
     PerBed<std::int32_t> which{};
-    for (std::size_t j = 0; j < from; ++j) which[j] = chosen(j) ? -1 : 0;
-    weaken(from, which);
+    for (std::size_t j = 0; j < count_; ++j) which[j] = j != from && chosen(j) ? -1 : 0;
+    take_over(from, which);
   }
 
   double shear_n(std::size_t j) const noexcept { return shear_n_[j]; }
@@ -58,7 +58,7 @@ class WinklerFoundations {
 
   void reach(double radius) noexcept;
   Rest rests(double edge) const noexcept;
-  void weaken(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
+  void take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
   void settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept;
   void sum_up() const noexcept;
 

@@ -24,8 +24,8 @@ FrictionPrior prior_of(const FrictionKnowledge& friction, const FrictionPriorOpt
 // scene has.
 FrictionFilterOptions bounded(FrictionFilterOptions filter, const Range& range, double slack) {
   if (!(range.low > 0)) return filter;
-  filter.grid.min_friction = range.low * std::exp(-slack);
-  filter.grid.max_friction = range.high * std::exp(slack);
+  filter.posterior.grid.min_friction = range.low * std::exp(-slack);
+  filter.posterior.grid.max_friction = range.high * std::exp(slack);
   return filter;
 }
 
@@ -168,15 +168,17 @@ MeanSigma LearntFrictionMargin::with_shared(const MeanSigma& load,
   const MeanSigma by_filter = filter_->grid().margin(load.mean, load.sigma);
   if (shared == nullptr || !shared->known) return by_filter;
   FrictionGrid grid = filter_->grid();
-  for (std::size_t j = 0; j < grid.count(); ++j) grid.take(j, shared->at(1 - load.mean / grid.friction(j)));
-  grid.normalise();
+  std::array<double, FrictionGrid::kMost> weights;
+  for (std::size_t j = 0; j < grid.count(); ++j)
+    weights[j] = grid.weight(j) * std::exp(-shared->at(1 - load.mean / grid.friction(j)));
+  grid.assign(weights);
   const MeanSigma with_shared = grid.margin(load.mean, load.sigma);
   return with_shared.mean < by_filter.mean ? with_shared : by_filter;
 }
 
 // One sigma down, and sigma covers both; of a narrow range, as far down as sigma_max permits.
-MeanSigma LearntFrictionMargin::minus_one_sigma(const MeanSigma& margin) const noexcept {
-  double down = margin.sigma;
+MeanSigma LearntFrictionMargin::minus_one_sigma(const Now& now, const MeanSigma& margin) const noexcept {
+  double down = std::min(margin.sigma, now.relative() * (1 - margin.mean));
   if (log_range_ <= options_.narrow_range) {
     const double most = kBelow * sigma_max_;
     if (margin.sigma < most) down = std::min(down, std::sqrt(most * most - margin.sigma * margin.sigma));
@@ -195,9 +197,9 @@ void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision
     const bool shows_margin = frame.reading != nullptr && frame.reading->profile.known;
     MeanSigma margin = now->margin;
     if (!shows_margin) {
-      margin = within_bounds(margin, now->load.mean);
+      margin = within_bounds(*now, margin);
     } else if (!has_settled(*now)) {
-      margin = minus_one_sigma(margin);
+      margin = minus_one_sigma(*now, margin);
     }
     propose(margin, frame, decision, out);
   }
@@ -207,8 +209,9 @@ void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision
 // A posterior too wide for a Gaussian of sigma_max may still lie between bounds that are no farther apart
 // than four sigmas, and lower than two. The margin is then its mean less its standard deviation, which is the
 // safe side.
-MeanSigma LearntByForces::within_bounds(const MeanSigma& margin, double load) const noexcept {
-  const MeanSigma low = minus_one_sigma(margin);
+MeanSigma LearntByForces::within_bounds(const Now& now, const MeanSigma& margin) const noexcept {
+  const double load = now.load.mean;
+  const MeanSigma low = minus_one_sigma(now, margin);
   if (low.sigma <= sigma_max_) return low;
   const double sigma = kBelow * sigma_max_;
   const double most = std::max(0.0, 1 - load / bounds_.high), least = std::max(0.0, 1 - load / bounds_.low);
@@ -224,13 +227,13 @@ LearntByShape::LearntByShape(double sigma_max, const FrictionKnowledge& friction
 void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
   if (const auto now = learn(frame, decision, out)) {
     const Reading* const reading = frame.reading;
-    const bool torque = has_torque(reading), fallen = filter_->fallen() && !has_settled(*now);
+    const bool torque = has_torque(reading);
     MeanSigma margin;
     if (torque && reading->in_model) {
       margin = by_itself(*reading, out);
     } else if (torque && !(now->relative() < options_.turning_known_sigma)) {
       margin = {now->margin.mean, std::numeric_limits<double>::infinity()};
-    } else if (reading == nullptr || torque || fallen) {
+    } else if (reading == nullptr || torque) {
       margin = by_memory(*now, reading);
     } else {
       margin = combine(*now, *reading, out);
@@ -243,10 +246,8 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
 // Below the load's maximum all sticks under a torque: friction may have fallen to what taxels still carry,
 // and nothing shows it.
 MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const noexcept {
-  MeanSigma margin = minus_one_sigma(now.margin);
+  MeanSigma margin = minus_one_sigma(now, now.margin);
   if (reading == nullptr) return margin;
-  if (!reading->under_torque && filter_->doubted())
-    margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (reading->load_fallen) {
     const double held = std::max(now.load.mean, reading->friction);
     const double open = margin.mean - (held > 0 ? 1 - now.load.mean / held : 0);
@@ -256,18 +257,9 @@ MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const
 }
 
 MeanSigma LearntByShape::combine(const Now& now, const Reading& reading, Estimate& out) const noexcept {
-  const MeanSigma own = own_margin(reading);
-  MeanSigma margin = now.margin;
-  if (filter_->doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
-  if (!filter_->surprised()) return better_of(margin, own, reading, out);
-  // A frame of a monotonic load shows friction that fell at once, the filter a few frames later.
-  if (!reading.in_model) {
-    margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
-  } else if (own.mean < margin.mean) {
-    out.method = reading.by;
-    margin = own;
-  }
-  return margin;
+  if (filter_->surprised()) return {now.margin.mean, std::numeric_limits<double>::infinity()};
+  return better_of(has_settled(now) ? now.margin : minus_one_sigma(now, now.margin), own_margin(reading),
+                   reading, out);
 }
 
 // --- friction that was given as a value

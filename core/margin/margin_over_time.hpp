@@ -44,14 +44,10 @@ struct MarginOverTimeOptions {
   // sigma_max demands it. Too small: a known range is of no use. Too large: margins of objects of any kind
   // are given from next to nothing.
   double narrow_range = 1.5;
-  // Friction that has fallen is open until its sigma is below this; relative, 0.02 … 0.3. Until then the
-  // lower part of its posterior is given, one sigma down. Too small: margins after a fall stay low. Too
-  // large: they are too safe.
-  double settled_sigma = 0.05;
-  // Floor of a margin's sigma while friction is doubted; Gamma, 0.05 … 1; above sigma_max no margin is given
-  // at all. Too small: a margin of a friction that has fallen is given as sure. Too large: no effect beyond
-  // sigma_max.
-  double doubted_sigma = 0.2;
+  // Friction is open until its sigma is below this; relative, 0.02 … 0.3. Until then the lower part of its
+  // posterior is given, one sigma down. Too small: margins after a change stay low. Too large: they are too
+  // safe.
+  double settled_sigma = 0.08;
   // Standard deviation of a margin by memory under a torque whose load has fallen, of the range between it
   // and what friction would leave that is just as high as the ratios that taxels carry; 0 … 0.3. Too small:
   // friction that falls between two peaks of the load leaves margins that are given as sure. Too large:
@@ -144,7 +140,7 @@ class LearntFrictionMargin : public MarginOverTime {
   // Adds to sigma what forces did between two frames.
   void widen_by_unobserved(const MarginInput& frame, MarginDecision& decision, const Estimate& out) noexcept;
   // What forces alone leave of the margin, on the safe side of its middle.
-  MeanSigma minus_one_sigma(const MeanSigma& margin) const noexcept;
+  MeanSigma minus_one_sigma(const Now& now, const MeanSigma& margin) const noexcept;
   // The filter's margin, or the lower one that a pad shows.
   MeanSigma with_shared(const MeanSigma& load, const MarginProfile* shared) const noexcept;
   bool has_settled(const Now& now) const noexcept { return now.relative() < options_.settled_sigma; }
@@ -164,7 +160,7 @@ class LearntByForces final : public LearntFrictionMargin {
   void estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept override;
 
  private:
-  MeanSigma within_bounds(const MeanSigma& margin, double load) const noexcept;
+  MeanSigma within_bounds(const Now& now, const MeanSigma& margin) const noexcept;
 };
 
 // Sensors whose frames show margin and friction by themselves.

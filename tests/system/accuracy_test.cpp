@@ -90,9 +90,9 @@ class FrameByFrame {
 };
 
 struct MarginErrors {
-  std::string worst_frame;  // the estimate with the largest error
-  int ok = 0, others = 0;
-  double error = 0, worst = 0, too_safe = -1;
+  std::string worst_frame;                   // the estimate with the largest error
+  int ok = 0, others = 0, far_too_safe = 0;  // the last: by more than 0.15
+  double error = 0, worst = 0;
 };
 
 // The errors over this many frames in contact.
@@ -115,7 +115,7 @@ MarginErrors margin_errors(const json& config, int frames) {
       errors.worst_frame = "frame " + std::to_string(estimate.sequence) + ": margin " +
                            std::to_string(*estimate.gamma) + ", true " + std::to_string(estimate.truth.gamma);
     }
-    errors.too_safe = std::max(errors.too_safe, off);
+    if (off > 0.15) ++errors.far_too_safe;
   }
   errors.error /= std::max(1, errors.ok);
   return errors;
@@ -153,7 +153,8 @@ TEST(AGraspsHistory, WithRegripUnloadingAndChangesOfFrictionGetsNoMarginThatIsFa
         config_with(folder, json::array({simulated(json::object())}), {{"estimator", estimator}}), 1200);
     EXPECT_GT(errors.ok, 600);
     EXPECT_LE(errors.worst, 0.25) << errors.worst_frame;
-    EXPECT_LE(errors.too_safe, 0.15);
+    // The fall of friction in the cycle is told within three frames.
+    EXPECT_LE(errors.far_too_safe, 3);
   }
 }
 

@@ -255,8 +255,10 @@ TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
       alerted = alerted || said.alert == Alert::slip;
     }
     EXPECT_TRUE(alerted);
-    for (int i = 0; i < frames_of(1); ++i)
-      said = finger.sense({.normal_n = 5, .pull_n = 1.2, .texture = 4.5});
+    for (int i = 0; i < frames_of(1); ++i) {  // set down within half a second
+      const double pull_n = 1.2 + (5 * friction - 1.2) * std::max(0.0, 1 - 2 * time_of(i));
+      said = finger.sense({.normal_n = 5, .pull_n = pull_n, .texture = 4.5});
+    }
     ASSERT_TRUE(said.friction) << friction;
     EXPECT_NEAR(*said.friction, friction, 0.07 * friction);
     EXPECT_LE(*said.friction, kPadFrictions.high);

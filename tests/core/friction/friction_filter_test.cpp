@@ -260,7 +260,7 @@ TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
     }
     sum_of_logs += std::log(filter->grid().friction().mean / kFriction);
   }
-  EXPECT_NEAR(sum_of_logs / kGrasps, 0, 0.02);
+  EXPECT_NEAR(sum_of_logs / kGrasps, 0, 0.03);
 }
 
 TEST(FrictionFilter, FrictionThatFellIsLearntWithinAFewFrames) {
@@ -268,11 +268,8 @@ TEST(FrictionFilter, FrictionThatFellIsLearntWithinAFewFrames) {
   grasp.move(2, 0, 0.6, 50);
   grasp.move(2, 0.6, 0.6, 100);
   EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.6, 0.03);
-  bool surprised = false;
-  grasp.each_frame = [&] { surprised = surprised || grasp.filter->surprised(); };
   grasp.move(2, 0.6, 0.4, 1);
   grasp.move(2, 0.62, 0.4, 40);
-  EXPECT_TRUE(surprised);
   EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.4, 0.05);
 }
 
@@ -284,22 +281,26 @@ TEST(FrictionFilter, FrictionThatRoseIsLearntOnceTheLoadGrows) {
   EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.7, 0.07);
 }
 
-TEST(FrictionFilter, AJumpOfTheLikeliestFrictionIsDoubtedForAWhile) {
-  FrictionFilterOptions options;
-  options.jump_log = 0.1;
-  options.doubt_frames = 5;
-  Grasp grasp(options);
-  grasp.move(2, 0, 0.6, 50);
-  grasp.move(2, 0.7, 0.6, 100);
-  grasp.see();
-  for (int i = 0; i < options.doubt_frames; ++i) grasp.see();
-  EXPECT_FALSE(grasp.filter->doubted());
-  int doubted = 0;
-  grasp.each_frame = [&] { doubted += grasp.filter->doubted() ? 1 : 0; };
-  grasp.move(2, 0.7, 0.4, 1);
-  grasp.move(2, 0.72, 0.4, 60);
-  EXPECT_GE(doubted, options.doubt_frames);
-  EXPECT_FALSE(grasp.filter->doubted());
+// Q/P that falls by a quarter from one frame to the next: the object was let go, or friction no longer holds
+// it.
+TEST(FrictionFilter, AForceOnlySensorWhoseLoadDropsBetweenFramesMayHaveLessFriction) {
+  const auto friction_after = [](int frames_of_the_drop) {
+    ByForces filter(kFilterPrior);
+    std::int64_t time_ns = 0;
+    for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
+    for (int i = 0; i < 200; ++i) {
+      const double normal_n = 3 - 0.005 * i;
+      filter.update(time_ns += 1'000'000, forces(normal_n, 0.4 * normal_n), nullptr);
+    }
+    for (int i = 1; i <= frames_of_the_drop; ++i)
+      filter.update(time_ns += 1'000'000, forces(2, 2 * (0.4 - 0.1 * i / frames_of_the_drop)), nullptr);
+    return filter->grid().friction();
+  };
+  const MeanSigma slowly = friction_after(50), at_once = friction_after(1);
+  EXPECT_NEAR(slowly.mean, 0.4, 0.03);
+  EXPECT_LT(at_once.mean, 0.37);
+  EXPECT_GT(at_once.mean, 0.3) << "what it carries now";
+  EXPECT_GT(at_once.sigma, 1.5 * slowly.sigma);
 }
 
 TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
@@ -310,8 +311,6 @@ TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
   used.filter.reset();
   EXPECT_EQ(used.filter->history(), HistoryState::monotonic);
   EXPECT_TRUE(used.filter->understood());
-  EXPECT_FALSE(used.filter->surprised());
-  EXPECT_FALSE(used.filter->doubted());
   EXPECT_EQ(used.filter->grid().friction().mean, fresh.filter->grid().friction().mean);
   EXPECT_EQ(used.filter->traction_ratio().mean, 0);
 }
@@ -324,7 +323,7 @@ TEST(FrictionFilter, ForcesThatHoldBoundFrictionFromBelow) {
 
 TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterwards) {
   FrictionFilterOptions options;
-  options.forget_s = 0.5;
+  options.force_only_changes_per_s = 2;
   ByForces filter(kFilterPrior, options);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
@@ -384,7 +383,7 @@ TEST(FrictionFilter, TaxelsThatCarryAgainstEachOtherSayNothingOfFriction) {
                   {.sliding = Sliding::disturbed,
                    .for_s = 1,
                    .field = {.known = true, .coherence = 0.95, .internal_share = 0.3, .block = 1}});
-  EXPECT_EQ(filter->grid().friction().mean, prior);
+  EXPECT_NEAR(filter->grid().friction().mean, prior, 1e-9);
 }
 
 TEST(FrictionFilter, AllocatesNothing) {

@@ -41,11 +41,11 @@ class Both {
     for (std::size_t j = 0; j < alone_.size(); ++j)
       alone_[j].assume_monotonic(normal_n, shear_n, frictions_[j]);
   }
-  void weaken(std::size_t from) {
+  void take_over(std::size_t from) {
     const auto odd = [](std::size_t j) { return j % 2 == 1; };
-    beds_.weaken(from, odd);
-    for (std::size_t j = 0; j < from; ++j) {
-      if (!odd(j)) continue;
+    beds_.take_over(from, odd);
+    for (std::size_t j = 0; j < alone_.size(); ++j) {
+      if (j == from || !odd(j)) continue;
       alone_[j] = alone_[from];
       alone_[j].follow(normal_n_, shear_n_, frictions_[j]);
     }
@@ -86,7 +86,7 @@ TEST(WinklerFoundations, AgreeWithSingleFoundationsToTheLastBit) {
         } else if (what < 0.1) {
           both.assume_monotonic(p, q);
         } else if (what < 0.25) {
-          both.weaken(std::uniform_int_distribution<std::size_t>(0, count - 1)(random));
+          both.take_over(std::uniform_int_distribution<std::size_t>(0, count - 1)(random));
         }
         const double p_to = what > 0.6 ? p : 0.3 + 4 * unit(random), q_to = 3 * p_to * (unit(random) - 0.5);
         for (int i = 1; i <= 20; ++i) {

@@ -43,6 +43,7 @@ Tally live(EstimatorChain& chain, FrameMaker& maker, const std::vector<Phase>& l
            Noise kind) {
   contact::LoadHistory contact(synthetic::paper_pair());
   Tally tally;
+  double friction = life.front().friction;  // of the phase before
   for (const auto& phase : life) {
     for (int i = 1; i <= phase.ms; ++i) {
       const double f = static_cast<double>(i) / phase.ms;
@@ -57,10 +58,13 @@ Tally live(EstimatorChain& chain, FrameMaker& maker, const std::vector<Phase>& l
       tally.error += std::fabs(off);
       tally.worst = std::max(tally.worst, std::fabs(off));
       tally.too_safe = std::max(tally.too_safe, off);
+      // A fall of friction is told within three frames.
+      if (phase.friction < friction && i <= 3) continue;
       EXPECT_LT(std::fabs(off), 0.25) << phase.name << " " << i;
       EXPECT_LT(off, 0.15) << phase.name << " " << i << " truth " << contact.safety_margin() << " sigma "
                            << *estimate.sigma;
     }
+    friction = phase.friction;
   }
   tally.error /= std::max(1, tally.ok);
   return tally;
@@ -151,9 +155,9 @@ Tally grasp_on_few_taxels(const TaxelLayout& layout, double noise, int grasps, i
 TEST(MarginOverTime, FourByFourTaxelsLearnFrictionOverAGrasp) {
   int right = 0, after = 0;
   const Tally tally = grasp_on_few_taxels(TaxelLayout::grid(4, 4, 0.0047), 0.01, 40, right, after);
-  EXPECT_GT(right, 0.85 * after);
+  EXPECT_GT(right, 0.7 * after);
   EXPECT_LT(tally.error, 0.06);
-  EXPECT_LT(tally.too_safe, 0.03 * tally.ok);
+  EXPECT_LT(tally.too_safe, 0.01 * tally.ok);
 }
 
 TEST(MarginOverTime, OneForceVectorGetsNoMarginThatIsTooSafe) {
@@ -232,17 +236,18 @@ double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, dou
   frame.by = Method::moments;
   frame.under_torque = true;
   Estimate estimate;
-  for (int i = 1; i <= 80; ++i) {
+  for (int i = 1; i <= 120; ++i) {
     const bool fallen = i > 40;
     estimate = {};
     estimate.time_ns = i * 1'000'000;
-    patch.shear_n = patch.shear_x_n = (fallen ? share : 1) * kMost_n;
+    const double now = 1 - (1 - share) * std::clamp((i - 40) / 60.0, 0.0, 1.0);
+    patch.shear_n = patch.shear_x_n = now * kMost_n;
     frame.in_model = !fallen;
     frame.load_fallen = fallen;
     frame.gamma = 1 - patch.shear_n / (kFriction * kNormal_n);
     frame.sigma = 0.02;
     frame.common_sigma = 0.005;
-    frame.friction = fallen ? share * kFriction : kFriction;
+    frame.friction = now * kFriction;
     frame.friction_sigma = 0.015;
     source.update(patch, &frame, nullptr, estimate);
   }

@@ -1,0 +1,138 @@
+#include "core/friction/friction_posterior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+// Student's t with five degrees of freedom (Lange, Little and Taylor 1989 use four): a frame ten standard
+// deviations away counts as much as one that is four away does under a Gaussian.
+constexpr double kDegrees = 5;
+double likelihood(double squared) noexcept {
+  const double inverse = 1 / (1 + squared / kDegrees);
+  return inverse * inverse * inverse;
+}
+
+// Of the mean of what frames have in common, frame by frame; 0.02 … 0.5. Too small: after a change of load
+// few frames count for too much or too little. Too large: frames whose noise shows less friction weigh more.
+constexpr double kUsualGain = 0.2;
+
+// What such a frame counts for in a mean: 1 without a residual.
+double weight_of(double squared) noexcept {
+  return (kDegrees + 1) / (kDegrees + std::max(1.0, squared));
+}
+
+}  // namespace
+
+FrictionPosterior::FrictionPosterior(const FrictionPrior& prior, std::size_t count,
+                                     const FrictionPosteriorOptions& options)
+    : options_(options), grid_(prior, count, options.grid) {}
+
+void FrictionPosterior::reset() noexcept {
+  grid_.reset();
+  errors_ = {};
+  has_changed_ = {};
+  surprise_ = 0;
+  changed_ = held_ = {};
+  for (std::size_t j = 0; j < grid_.count(); ++j) same_[j] = grid_.prior(j);
+}
+
+void FrictionPosterior::begin(double seconds) noexcept {
+  surprise_ = 0;
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    same_[j] = grid_.weight(j);
+    changed_[j] = 0;
+  }
+  may_have_changed(-std::expm1(-options_.falls_per_s * seconds), options_.rises_per_s / options_.falls_per_s);
+}
+
+void FrictionPosterior::may_have_changed(double probability, double rises) noexcept {
+  const std::size_t likeliest = grid_.likeliest();
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    same_[j] *= 1 - probability;
+    changed_[j] += probability * ((j > likeliest ? rises : 1) * grid_.prior(j) - changed_[j]);
+  }
+}
+
+void FrictionPosterior::bound_below(const MeanSigma& held) noexcept {
+  const double to_edge = std::exp(0.5 * grid_.step());  // a point stands for what lies about it
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    const double over = (held.mean - to_edge * grid_.friction(j)) / held.sigma;
+    if (!(over > 0)) continue;
+    const double nats = 0.5 * over * over;
+    changed_[j] *= std::exp(-nats);
+    if (!(nats > held_[j])) continue;
+    same_[j] *= std::exp(held_[j] - nats);
+    held_[j] = nats;
+  }
+}
+
+// Kalman's filter of the common error, for each friction: all have the same gain.
+template <bool kWeighed>
+void FrictionPosterior::take(Evidence by, std::span<const double> residual, double common,
+                             double noise) noexcept {
+  CommonError& error = errors_[static_cast<std::size_t>(by)];
+  // A frame's own would be larger or smaller with its noise, and so would what is learnt from it.
+  const double usual = error.usual > 0 ? error.usual : common;
+  error.usual = usual + kUsualGain * (common - usual);
+  common = usual;
+  noise = std::max(noise, options_.least_noise_share * common);
+  const double open = error.variance * common * common, all = open + noise * noise;
+  const double gain = common > 0 ? open / (all * common) : 0;
+  const std::size_t likeliest = grid_.likeliest();
+  const double before = common * error.mean[likeliest];
+  double weight = 1;
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    const double off = residual[j] - common * error.mean[j], off_if_changed = residual[j] - before;
+    const double squared = off * off / all, squared_if_changed = off_if_changed * off_if_changed / all;
+    if (j == likeliest) weight = weight_of(squared);
+    if constexpr (kWeighed) {
+      if (j == likeliest) surprise_ = std::max(surprise_, squared);
+      same_[j] *= likelihood(squared);
+      changed_[j] *= likelihood(squared_if_changed);
+    }
+    error.if_changed[j] = error.mean[likeliest] + gain * weight_of(squared_if_changed) * off_if_changed;
+    error.mean[j] += gain * weight_of(squared) * off;
+  }
+  error.variance *= 1 - weight * open / all;
+  error.weighed = true;
+}
+
+void FrictionPosterior::weigh(Evidence by, std::span<const double> residual, double common,
+                              double noise) noexcept {
+  take<true>(by, residual, common, noise);
+}
+
+void FrictionPosterior::follow(Evidence by, std::span<const double> residual, double common,
+                               double noise) noexcept {
+  take<false>(by, residual, common, noise);
+}
+
+bool FrictionPosterior::conclude() noexcept {
+  const std::size_t count = grid_.count(), likeliest = grid_.likeliest();
+  bool any = false;
+  for (std::size_t j = 0; j < count; ++j) {
+    has_changed_[j] = j != likeliest && changed_[j] > same_[j];
+    any |= has_changed_[j];
+    if (has_changed_[j]) held_[j] = 0;
+    same_[j] += changed_[j];
+  }
+  for (CommonError& error : errors_) {
+    for (std::size_t j = 0; j < count && any; ++j)
+      if (has_changed_[j]) error.mean[j] = error.weighed ? error.if_changed[j] : error.mean[likeliest];
+    error.weighed = false;
+  }
+  grid_.assign(same_);
+  return any;
+}
+
+void FrictionPosterior::decorrelate(double moved) noexcept {
+  const double kept = std::exp(-moved / options_.decorrelating_share);
+  for (CommonError& error : errors_) {
+    error.variance = 1 - kept * kept * (1 - error.variance);
+    for (std::size_t j = 0; j < grid_.count(); ++j) error.mean[j] *= kept;
+  }
+}
+
+}  // namespace slipd
