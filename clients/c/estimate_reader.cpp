@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <type_traits>
 
 namespace slipd::client {
@@ -101,7 +102,8 @@ struct Set {
   void operator()(Number member) const { to.*member = number(scalar); }
   void operator()(Class member) const {
     const std::optional<double> some = number(scalar);
-    to.*member = some ? std::optional(static_cast<int>(*some)) : std::nullopt;
+    const bool is_one = some && *some >= 0 && *some <= std::numeric_limits<int>::max();
+    to.*member = is_one ? std::optional(static_cast<int>(*some)) : std::nullopt;
   }
   void operator()(Flag member) const {
     const bool* const some = std::get_if<bool>(&scalar);

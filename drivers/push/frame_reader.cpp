@@ -16,18 +16,21 @@ using Four = float __attribute__((vector_size(16)));
 
 // Values where they arrive. Volatile reads them once: in shared memory a writer may change them meanwhile,
 // and what was found to be finite has to be what is used.
-using FourThere = float __attribute__((vector_size(16), aligned(1), may_alias));
-using OneThere = float __attribute__((aligned(1), may_alias));
+// Packed: they may lie at any address. (Clang takes no notice of `aligned(1)` for a vector that is volatile.)
+struct __attribute__((packed, may_alias)) FourThere {
+  Four value;
+};
+struct __attribute__((packed, may_alias)) OneThere {
+  float value;
+};
 
 Four load(const std::uint8_t* from) noexcept {
-  // cppcheck-suppress invalidPointerCast ; the values are floats, and the type may alias
-  return *reinterpret_cast<const volatile FourThere*>(from);
+  return reinterpret_cast<const volatile FourThere*>(from)->value;
 }
 
 // Writes one value of a taxel, in Pa. `odd` becomes NaN if a value is not finite.
 void put(const std::uint8_t* value, float scale, float& to, float& odd) noexcept {
-  // cppcheck-suppress invalidPointerCast ; as above
-  const float scaled = scale * *reinterpret_cast<const volatile OneThere*>(value);
+  const float scaled = scale * reinterpret_cast<const volatile OneThere*>(value)->value;
   to = scaled;
   odd += 0 * scaled;
 }
