@@ -8,12 +8,27 @@ find_package(nlohmann_json 3.11 REQUIRED)
 
 add_library(slipd_flags INTERFACE)
 target_compile_options(slipd_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
-  -Wcast-align -Woverloaded-virtual $<$<BOOL:${SLIPD_WERROR}>:-Werror>)
+  -Wcast-align -Woverloaded-virtual $<$<CXX_COMPILER_ID:Clang>:-Wno-pass-failed> $<$<BOOL:${SLIPD_WERROR}>:-Werror>)
 target_include_directories(slipd_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_link_libraries(slipd_flags INTERFACE Threads::Threads)
 if(SLIPD_SANITIZE)
-  target_compile_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  target_link_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE})
+  target_compile_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    -fno-sanitize=null)  # a null pointer ends the program by itself
+  set(SLIPD_SANITIZE_LINK -fsanitize=${SLIPD_SANITIZE})
+  if(SLIPD_SANITIZE MATCHES address)  # AddressSanitizer's runtime as a library, for programs that are not ours and load libslipd
+    set(SLIPD_SANITIZER_RUNTIME libasan.so)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+      set(SLIPD_SANITIZER_RUNTIME libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so)
+    endif()
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${SLIPD_SANITIZER_RUNTIME}
+      OUTPUT_VARIABLE SLIPD_SANITIZER_RUNTIME OUTPUT_STRIP_TRAILING_WHITESPACE)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND NOT SLIPD_FUZZ)
+      target_compile_definitions(slipd_flags INTERFACE __SANITIZE_ADDRESS__=1)  # as GCC says it
+      cmake_path(GET SLIPD_SANITIZER_RUNTIME PARENT_PATH folder)
+      list(APPEND SLIPD_SANITIZE_LINK -shared-libsan -Wl,-rpath,${folder})
+    endif()
+  endif()
+  target_link_options(slipd_flags INTERFACE ${SLIPD_SANITIZE_LINK})
 endif()
 
 # Limits what a memory fault can do. A stack that was overrun ends the program (stack-protector, stack-clash), and so does a library

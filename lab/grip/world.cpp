@@ -223,8 +223,8 @@ struct World::Moment::Copy {
 
 World::Moment::Moment(const State& state)
     : copy_(std::make_unique<Copy>(
-          std::unique_ptr<mjData, Deletes>(mj_copyData(nullptr, state.model.get(), state.data.get())),
-          state.model->geom_friction[0])) {}
+          Copy{std::unique_ptr<mjData, Deletes>(mj_copyData(nullptr, state.model.get(), state.data.get())),
+               state.model->geom_friction[0]})) {}
 World::Moment::~Moment() = default;
 World::Moment::Moment(Moment&&) noexcept = default;
 
