@@ -1,6 +1,7 @@
 // AnySkin: five magnetometers, each with temperature, x, y, z as little-endian f32, then CR LF. Source: the
 // makers' firmware and reader. The chips are turned against each other as the makers' viewer draws them: the
-// board's x and y are here what the profile has to find in the chips' own.
+// board's x and y are here what the profile has to find in the chips' own. The board is a serial port on USB.
+#include "tests/devices/cdc_acm.hpp"
 #include "tests/devices/device_model.hpp"
 
 namespace slipd::devices {
@@ -34,7 +35,8 @@ const DeviceModel& anyskin() {
                                  .sensor_class = SensorClass::array3,
                                  .layout = layout(),
                                  .rate_hz = 100,
-                                 .scan = scan};
+                                 .scan = scan,
+                                 .usb = cdc_acm(0x239a, 0x80cb)};
   return model;
 }
 

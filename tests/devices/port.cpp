@@ -44,13 +44,14 @@ std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& pla
     return make_uhid_port(model, serial);
   } else if (kind == "tcp" && model.modbus) {
     return make_modbus_tcp_port(model, std::stoi(where));
-  } else if (kind == "tty" && !model.usb && !model.hid && !model.modbus) {
-    return make_serial_port(model, where);
+  } else if ((kind == "tty" || kind == "adapter") && !model.hid && !model.modbus) {
+    return kind == "tty" ? make_serial_port(model, where) : make_adapter_port(model, where);
   } else if (kind == "pty" && model.modbus) {
     return make_modbus_pty_port(model, where);
   }
-  throw std::invalid_argument(std::string(model.name) + " cannot be plugged into '" + place +
-                              "': say can:, fd:, usbip:, uhid, tcp:, pty: or tty:, as the device needs");
+  throw std::invalid_argument(
+      std::string(model.name) + " cannot be plugged into '" + place +
+      "': say can:, fd:, usbip:, uhid, tcp:, pty:, tty: or adapter:, as the device needs");
 }
 
 }  // namespace slipd::devices

@@ -60,6 +60,7 @@ Fd listen_on_loopback(int& port);
 //   usbip:PORT     a USB/IP server            uhid       /dev/uhid
 //   tcp:PORT       a Modbus TCP slave         pty:PATH   a Modbus RTU slave at a symbolic link
 //   tty:PATH       a serial line at a symbolic link
+//   adapter:PATH   the serial line there, at 3 Mbit/s
 // Port 0 means any that is free. Throws std::invalid_argument where the device does not fit,
 // std::system_error otherwise.
 std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& place,
@@ -72,5 +73,6 @@ std::unique_ptr<Port> make_uhid_port(const DeviceModel& model, const std::string
 std::unique_ptr<Port> make_modbus_tcp_port(const DeviceModel& model, int tcp_port);
 std::unique_ptr<Port> make_modbus_pty_port(const DeviceModel& model, const std::string& link);
 std::unique_ptr<Port> make_serial_port(const DeviceModel& model, const std::string& link);
+std::unique_ptr<Port> make_adapter_port(const DeviceModel& model, const std::string& path);
 
 }  // namespace slipd::devices

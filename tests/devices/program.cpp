@@ -49,7 +49,9 @@ int main(int argc, char** argv) {
   bool with_pattern = false;
   std::uint64_t scans = 0;
   app.add_option("model", name, "its name; --help lists them")->required();
-  app.add_option("--at", place, "can:INTERFACE, fd:N, usbip:PORT, uhid, tcp:PORT or pty:PATH")->required();
+  app.add_option("--at", place,
+                 "can:INTERFACE, fd:N, usbip:PORT, uhid, tcp:PORT, pty:PATH, tty:PATH or adapter:PATH")
+      ->required();
   app.add_option("--rate-hz", rate_hz, "scans a second, unless the device's own")->check(CLI::PositiveNumber);
   app.add_option("--scans", scans, "quit after so many");
   app.add_option("--script", script, "a JSON file of driver sim's options: contact, cycle, noise");

@@ -1,5 +1,6 @@
-// A serial line: the packets of a scan are its bytes.
+// A serial line, a pseudo-terminal or one that is there: the packets of a scan are its bytes.
 #include <fcntl.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -49,7 +50,60 @@ class SerialPort final : public Port {
   PtyLine line_;
 };
 
+// The other end of a line that is there, say of an adapter, at 3 Mbit/s. It waits for the line, which loses
+// nothing.
+class AdapterPort final : public Port {
+ public:
+  AdapterPort(const DeviceModel& model, std::string path) : Port(model), path_(std::move(path)) {}
+
+  void watch(std::vector<pollfd>&) const override {}
+  void serve() override {}
+
+  void send(std::span<const Packet> scan) override {
+    constexpr int kPatienceMs = 10'000;
+    for (const Packet& packet : scan) {
+      for (std::span<const std::uint8_t> left = packet.bytes; !left.empty();) {
+        const ssize_t sent = ::write(line_.get(), left.data(), left.size());
+        if (sent > 0) {
+          left = left.subspan(static_cast<std::size_t>(sent));
+          continue;
+        }
+        pollfd wait{line_.get(), POLLOUT, 0};
+        if (::poll(&wait, 1, kPatienceMs) != 1)
+          throw std::system_error(ETIMEDOUT, std::generic_category(), path_);
+      }
+    }
+  }
+
+  void plug() override {
+    if (plugged_) return;
+    line_ = Fd(checked(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC), path_));
+    termios raw{};
+    ::cfmakeraw(&raw);
+    raw.c_cflag |= CLOCAL | CREAD;
+    ::cfsetspeed(&raw, B3000000);
+    checked(::tcsetattr(line_.get(), TCSANOW, &raw), path_);
+    start();
+  }
+
+  void unplug() override {
+    if (line_) ::tcdrain(line_.get());
+    line_ = Fd();
+    plugged_ = false;
+  }
+
+  std::string place() const override { return path_; }
+
+ private:
+  std::string path_;
+  Fd line_;
+};
+
 }  // namespace
+
+std::unique_ptr<Port> make_adapter_port(const DeviceModel& model, const std::string& path) {
+  return std::make_unique<AdapterPort>(model, path);
+}
 
 std::unique_ptr<Port> make_serial_port(const DeviceModel& model, const std::string& link) {
   return std::make_unique<SerialPort>(model, link);

@@ -9,7 +9,10 @@
 
 #include <chrono>
 #include <cstring>
+#include <fstream>
 #include <functional>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -130,6 +133,53 @@ TEST(SerialDriver, SaysThatMagnetometersAreNoPressures) {
   Line line;
   SerialDriver driver({on(line, "anyskin")});
   EXPECT_FALSE(driver.open().sensors.at(0).calibrated);
+}
+
+// A row of a recording, ten chips of x, y, z, as the board had sent it.
+Bytes eflesh_frame(const std::vector<float>& row) {
+  Bytes out;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (i % 3 == 0) devices::put_le(out, 25.0F);
+    devices::put_le(out, row[i]);
+  }
+  devices::append(out, {'\r', '\n'});
+  return out;
+}
+
+TEST(SerialDriver, ReadsARecordingOfTwoPadsOnOneBoardValueByValue) {
+  Line line;
+  std::vector<SensorSetup> setups(2, on(line, "eflesh"));
+  setups[1].options["sensor"] = 1;
+  SerialDriver driver(setups);
+  EXPECT_FALSE(driver.open().sensors.at(0).calibrated);
+  test::OwnedSlot left(5), right(5);
+  std::vector<FrameSlot> slots{left.slot, right.slot};
+  std::ifstream recording(SLIPD_SOURCE_DIR "/tests/data/eflesh/seq_000.csv");
+  std::string text;
+  std::getline(recording, text);
+  int rows = 0;
+  while (std::getline(recording, text)) {
+    std::vector<float> row;
+    std::istringstream in(text);
+    for (std::string value; std::getline(in, value, ',');) row.push_back(std::stof(value));
+    ASSERT_EQ(row.size(), 30U);
+    line.say(eflesh_frame(row));
+    const auto give_up = std::chrono::steady_clock::now() + testing::kPatience;
+    std::set<std::uint16_t> seen;
+    while (seen.size() < 2 && std::chrono::steady_clock::now() < give_up) {
+      const ReadResult read = driver.read(slots, 20ms);
+      if (read.status == ReadStatus::frame) seen.insert(read.sensor);
+    }
+    ASSERT_EQ(seen.size(), 2U);
+    for (std::size_t i = 0; i < 10; ++i) {
+      const FrameSlot& slot = slots[i / 5];
+      EXPECT_EQ(slot.shear_x_pa[i % 5], row[3 * i]);
+      EXPECT_EQ(slot.shear_y_pa[i % 5], row[3 * i + 1]);
+      EXPECT_EQ(slot.normal_pa[i % 5], row[3 * i + 2]);
+    }
+    ++rows;
+  }
+  EXPECT_EQ(rows, 300);
 }
 
 TEST(SerialDriver, ReadsLinesOfNumbersAndDropsBrokenOnes) {

@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstring>
 #include <random>
 
 #include "drivers/decode/framer.hpp"
+#include "tests/devices/bytes.hpp"
 #include "tests/devices/device_model.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/heap_count.hpp"
@@ -115,6 +118,45 @@ TEST(Decoder, ReadsBothFingersOfTheRg2ftEachForItself) {
   EXPECT_NEAR(left.out.slot.normal_pa[0] * area_m2, 5.0, 1e-6);
   EXPECT_NEAR(left.out.slot.shear_x_pa[0], 0, 1e-6);
   EXPECT_NEAR(right.out.slot.shear_x_pa[0] * area_m2, -1.0, 1e-6);
+}
+
+// What the makers' own readers do with the same bytes, written down from them:
+//   anyskin/sensor.py of AnySkin, which eFlesh's slip detection uses, too: struct.unpack("@{4 n}fcc"), of
+//   each chip's four values all but the first, which is its temperature; the message is thrown away unless it
+//   ends in CR LF.
+std::vector<float> of_makers_reader(const Bytes& message) {
+  std::vector<float> out;
+  for (std::size_t at = 0; at + 4 <= message.size() - 2; at += 4) {
+    float value = 0;
+    std::memcpy(&value, message.data() + at, sizeof value);
+    if (at % 16 != 0) out.push_back(value);
+  }
+  return out;
+}
+
+TEST(Decoder, ReadsOfAnyBytesWhatTheMakersReaderReadsValueByValue) {
+  std::mt19937 bits(1);
+  for (int frame = 0; frame < 1000; ++frame) {
+    Bytes message;
+    for (int i = 0; i < 40; ++i) {
+      // Any sign, exponent and fraction of a number of at most 1e9.
+      const auto exponent = static_cast<std::uint32_t>(bits() % 157);
+      const auto rest = static_cast<std::uint32_t>(bits()) & 0x807FFFFFU;
+      devices::put_le(message, std::bit_cast<float>(rest | exponent << 23));
+    }
+    devices::append(message, {'\r', '\n'});
+    const std::vector<float> wanted = of_makers_reader(message);
+    for (std::size_t pad = 0; pad < 2; ++pad) {
+      DecoderRig rig("eflesh", pad);
+      ASSERT_EQ(rig.take({0, message}), Outcome::frame);
+      for (std::size_t chip = 0; chip < 5; ++chip) {
+        const float* const of_chip = &wanted[3 * (5 * pad + chip)];
+        EXPECT_EQ(rig.out.slot.shear_x_pa[chip], of_chip[0]);
+        EXPECT_EQ(rig.out.slot.shear_y_pa[chip], of_chip[1]);
+        EXPECT_EQ(rig.out.slot.normal_pa[chip], of_chip[2]);
+      }
+    }
+  }
 }
 
 // Simulated devices do not use profiles. The tolerance is half a count.
