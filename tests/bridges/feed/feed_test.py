@@ -1,4 +1,4 @@
-"""slipd-feed between servers and the real slipd. The WebSocket server is python3-websockets'; the datagrams are what PyTac3D reads."""
+"""slipd-feed between servers and the real slipd. The WebSocket servers are python3-websockets' and npm's `ws`; the datagrams are what PyTac3D reads."""
 import asyncio, json, os, signal, socket, struct, subprocess, sys, tempfile, threading, time, unittest
 from pathlib import Path
 
@@ -181,44 +181,83 @@ class Server:
         self.port, self.clients, self.loop = port, set(), asyncio.new_event_loop()
         self.thread = threading.Thread(target=self.loop.run_forever)
         self.thread.start()
-        self.do(self.begin())
+        self.begin()
 
-    async def begin(self):
-        self.server = await websockets.serve(self.serve, "127.0.0.1", self.port)
+    def begin(self):
+        async def serve():
+            return await websockets.serve(self._serve, "127.0.0.1", self.port)
+        self.server = self._do(serve())
 
-    async def serve(self, client):
+    def send(self, text):
+        async def send():
+            for client in list(self.clients):
+                await client.send(text)
+        self._do(send())
+
+    def end(self):
+        self.loop.call_soon_threadsafe(self.server.close)
+        self._do(self.server.wait_closed())
+
+    def close(self):
+        self.end()
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self.thread.join()
+        self.loop.close()
+
+    async def _serve(self, client):
         await client.send('{"message": "Welcome"}')
         self.clients.add(client)
         await client.wait_closed()
         self.clients.discard(client)
 
-    def do(self, what):
+    def _do(self, what):
         return asyncio.run_coroutine_threadsafe(what, self.loop).result(PATIENCE_S)
 
-    async def send(self, text):
-        for client in list(self.clients):
-            await client.send(text)
 
-    async def end(self):
-        self.server.close()
-        await self.server.wait_closed()
+class NpmServer:
+    """The same of npm's `ws`, which compresses messages and sends each in two fragments."""
+
+    def __init__(self, port):
+        self.port, self.clients = port, 0
+        self.begin()
+
+    def begin(self):
+        here = os.path.dirname(os.path.realpath(__file__))
+        self.program = subprocess.Popen(["node", os.path.join(here, "server.mjs"), str(self.port)], cwd=os.environ["SLIPD_PEERS_NPM"],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.thread = threading.Thread(target=self._count)
+        self.thread.start()
+
+    def send(self, text):
+        self.program.stdin.write(json.dumps(text) + "\n")
+        self.program.stdin.flush()
+
+    def end(self):
+        self.program.kill()
+        self.program.wait()
+        self.thread.join()
+        self.program.stdin.close()
+        self.program.stdout.close()
+        self.clients = 0
 
     def close(self):
-        self.do(self.end())
-        self.loop.call_soon_threadsafe(self.loop.stop)
-        self.thread.join()
-        self.loop.close()
+        self.end()
+
+    def _count(self):
+        for line in self.program.stdout:
+            self.clients = int(line)
 
 
 class WebSocket(FeedTest):
     """As XELA's server sends."""
+    Server = Server
 
     def setUp(self):
         super().setUp()
         self.port = free_port()
 
     def serve(self):
-        self.server = Server(self.port)
+        self.server = self.Server(self.port)
         self.addCleanup(self.server.close)
 
     def feed(self, profile="xela-server"):
@@ -235,7 +274,7 @@ class WebSocket(FeedTest):
         return json.dumps({"message": self.index, "1": other, "2": sensor})
 
     def send(self, text):
-        self.server.do(self.server.send(text))
+        self.server.send(text)
 
     def test_frames_of_a_server_give_the_margin_of_the_contact(self):
         self.serve()
@@ -252,11 +291,11 @@ class WebSocket(FeedTest):
         self.serve()
         self.await_client()
         self.hold()
-        self.server.do(self.server.end())
+        self.server.end()
         await_true(lambda: self.estimate().state == "fault", "no frames")
         self.assertIsNone(self.estimate().gamma)
         await_true(lambda: self.program.log().count("cannot connect") == 2, "word of the loss")
-        self.server.do(self.server.begin())
+        self.server.begin()
         self.await_client()
         self.hold(0.5)
 
@@ -289,6 +328,11 @@ class WebSocket(FeedTest):
         self.await_client()
         estimate = self.send_until(NOTHING, lambda each: each.state == "unzeroed", "counts")
         self.assertIsNone(estimate.gamma)
+
+
+@unittest.skipUnless("SLIPD_PEERS_NPM" in os.environ, "the peers of npm have a test of their own")
+class WebSocketOfNpm(WebSocket):
+    Server = NpmServer
 
 
 class Settings(unittest.TestCase):
