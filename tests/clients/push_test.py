@@ -357,7 +357,7 @@ class Gel(Scenarios, unittest.TestCase):
     def hold(self, source):
         self.push_until(source, self.pressed(0), lambda sensor: sensor["received"] > 40, "a gel at rest")
         held = self.sensor()["received"] + 40
-        self.push_until(source, self.pressed(0.4), lambda sensor: sensor["contact"] and sensor["received"] > held, "a gel that holds something")
+        self.push_until(source, self.pressed(0.4), lambda sensor: sensor.get("contact") and sensor["received"] > held, "a gel that holds something")
 
     def alerts_while_it_relaxes(self, source):
         let_go, alerts = self.sensor()["received"] + 60, set()

@@ -233,12 +233,13 @@ class NpmServer:
         self.program.stdin.flush()
 
     def end(self):
-        self.program.kill()
-        self.program.wait()
-        self.thread.join()
-        self.program.stdin.close()
-        self.program.stdout.close()
-        self.clients = 0
+        """Once all that it was told is sent."""
+        if self.program.returncode is None:
+            self.program.stdin.close()
+            self.program.wait(PATIENCE_S)
+            self.thread.join()
+            self.program.stdout.close()
+            self.clients = 0
 
     def close(self):
         self.end()
@@ -311,6 +312,8 @@ class WebSocket(FeedTest):
                    self.frame_message(HELD, values=[1e60, *whole[1:]]), self.frame_message(HELD, time="now")]
         other = ["{}", "[]", "7", '{"message": 1, "2": {}}']
         self.never_a_margin(corrupt + other)
+        self.server.end()
+        await_true(lambda: "cannot connect" in self.program.log(), "word of the loss, behind all messages")
         counts = self.program.end()
         self.assertEqual((counts["corrupt"], counts["other"]), (len(corrupt), len(other) + 1))
 

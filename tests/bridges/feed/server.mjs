@@ -1,5 +1,5 @@
 // server.mjs PORT: a WebSocket server of npm's `ws`. What stands on a line of its input, as JSON text, goes to every client. Prints how many
-// clients it has whenever that changes.
+// clients it has whenever that changes. Ends with its input, once everything is sent.
 import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
 
@@ -20,3 +20,5 @@ for await (const line of createInterface({ input: process.stdin })) {
     client.send(text.slice(half), { fin: true });
   }
 }
+for (const client of server.clients) client.close();
+server.close();
