@@ -155,26 +155,40 @@ std::vector<float> floats_of_base64(const std::string& text) {
   return values;
 }
 
-TEST_F(Socket, AFrameInBase64IsTheFrameInDigits) {
+// No frame comes between two requests: its sensor has fallen silent.
+class SocketOfASilentSensor : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 20;
+
+  void SetUp() override {
+    daemon_.wait_for("status", [](const json& r) { return r["sensors"][0]["received"] >= kFrames; });
+  }
+  static json config(const TempFolder& folder) {
+    json sensor = fine_trial("left");
+    sensor["options"] = {{"behaviour", "silent"}, {"after", kFrames}};
+    return config_with(folder, json::array({sensor}));
+  }
+
+  TempFolder folder_;
+  Daemon daemon_{config(folder_), trial_drivers()};
+};
+
+TEST_F(SocketOfASilentSensor, AFrameInBase64IsTheFrameInDigits) {
   auto client = daemon_.client();
-  json digits, base64;
-  do {  // frames go on between two requests
-    digits = client.result("frame", {{"sensor", "left"}});
-    base64 = client.result("frame", {{"sensor", "left"}, {"encoding", "base64"}});
-  } while (digits["seq"] != base64["seq"]);
+  const json digits = client.result("frame", {{"sensor", "left"}});
+  const json base64 = client.result("frame", {{"sensor", "left"}, {"encoding", "base64"}});
+  ASSERT_EQ(digits["seq"], base64["seq"]);
   for (const char* column : {"normal_pa", "shear_x_pa", "shear_y_pa"})
     EXPECT_EQ(floats_of_base64(base64[column]), digits[column].get<std::vector<float>>()) << column;
   EXPECT_FALSE(base64.contains("x_mm"));
   EXPECT_EQ(client.call("frame", {{"sensor", "left"}, {"encoding", "hex"}})["error"]["code"], -32602);
 }
 
-TEST_F(Socket, AFrameInBytesIsTheFrameToWithinHalfAStep) {
+TEST_F(SocketOfASilentSensor, AFrameInBytesIsTheFrameToWithinHalfAStep) {
   auto client = daemon_.client();
-  json digits, bytes;
-  do {
-    digits = client.result("frame", {{"sensor", "left"}});
-    bytes = client.result("frame", {{"sensor", "left"}, {"encoding", "bytes"}});
-  } while (digits["seq"] != bytes["seq"]);
+  const json digits = client.result("frame", {{"sensor", "left"}});
+  const json bytes = client.result("frame", {{"sensor", "left"}, {"encoding", "bytes"}});
+  ASSERT_EQ(digits["seq"], bytes["seq"]);
   const std::string values = bytes_of_base64(bytes["values"]);
   const auto normal = digits["normal_pa"].get<std::vector<float>>();
   const auto shear_y = digits["shear_y_pa"].get<std::vector<float>>();
