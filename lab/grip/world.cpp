@@ -242,10 +242,12 @@ double World::true_margin(const Moment& moment) const {
   if (std::hypot(load_n[0], load_n[1], load_n[2]) < kNoLoadN) return 1;
   if (state_->slides(d)) return 0;
   const double begun_s = d->time, grip_n = d->ctrl[0];
-  for (double factor = 1; factor < kMostFactor; factor = std::exp((d->time - begun_s) / kGrowth)) {
+  double factor = 1;
+  while (factor < kMostFactor) {
     state_->step(d, grip_n, {factor * load_n[0], factor * load_n[1], factor * load_n[2]},
                  moment.copy_->friction);
     if (state_->slides(d)) return 1 - 1 / factor;
+    factor = std::exp((d->time - begun_s) / kGrowth);
   }
   return 1;
 }

@@ -182,8 +182,8 @@ frames, noise = itertools.count(), random.Random(1)
 def read():
     time.sleep(0.01)
     if os.path.exists({str(pulls)!r}): read.loaded = next(frames)
-    at = read.loaded % 400  # grips, pulls and lets go, again and again: a busy machine may miss one
-    grip, pull = (min(4.0, 0.1 * at), max(0.0, 0.015 * (at - 100))) if at < 300 else (0.0, 0.0)
+    at = read.loaded % 400  # grips, pulls by more than friction holds and lets go, again and again: a busy machine may miss one
+    grip, pull = (min(4.0, 0.1 * at), max(0.0, 0.02 * (at - 100))) if at < 300 else (0.0, 0.0)
     return [[0.3 + pull / 16 + noise.gauss(0, 0.001), noise.gauss(0, 0.001), 0.5 + grip / 16 * (0.8 + 0.4 * (taxel % 4 > 1)) + noise.gauss(0, 0.001)]
             for taxel in range(16)]
 read.loaded = 0
