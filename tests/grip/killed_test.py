@@ -215,10 +215,11 @@ class Killed(unittest.TestCase):
             return "".join(re.findall(">(.)</text>", file.read()))
 
     def test_slipctl_watch_shows_what_it_does(self):
-        self.assertIn("Nafinger", self.watched())
+        await_true(lambda: os.path.exists(self.bed.at("slipd.sock")), "slipd")
+        await_true(lambda: "Nafinger" in self.watched(), "slipd-grip in the last row")
         self.bed.gripper.kill()
         await_true(lambda: (self.bed.status() or {}).get("state") == "cut off", "slipd-grip to see it")
-        self.assertIn("cutoff", self.watched())
+        await_true(lambda: "cutoff" in self.watched(), "that it is cut off in the last row")
         self.bed.gripper.restart()
         self.bed.kill("grip")
         self.assertNotIn("Nafinger", self.watched())
