@@ -5,13 +5,13 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "drivers/push/frame_reader.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/fuzz/demand.hpp"
+#include "tests/fuzz/pushed_frames.hpp"
 
 namespace {
 
@@ -19,10 +19,7 @@ using namespace slipd;
 using fuzz::demand;
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t kTaxels = 4;
-constexpr std::size_t kValuesBytes = kTaxels * 3 * sizeof(float);
-constexpr std::int64_t kMaxAgeNs = 100'000'000;
-constexpr std::int64_t kStepNs = 1'000'000;
+constexpr std::size_t kValuesBytes = fuzz::kPushedTaxels * 3 * sizeof(float);
 
 // The ring as its writer sees it.
 class WritersRing {
@@ -64,30 +61,24 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const SensorSetup kSetup =
       test::setup_of(TaxelLayout::grid(2, 2, 0.001), nlohmann::json::object(), 100);
   push::Options options;
-  options.max_age_ns = kMaxAgeNs;
+  options.max_age_ns = fuzz::kPushedMaxAgeNs;
   push::FrameReader reader(options.max_age_ns);
   reader.begin(push::agreement_without_hello(options, kSetup));
   push::FrameRing ring(kValuesBytes);
   demand(static_cast<bool>(ring));
   WritersRing writer(ring);
-  test::OwnedSlot owned(kTaxels);
-  FrameSlot& slot = owned.slot;
-  std::uint64_t last = 0;
-  std::int64_t last_ns = 0;
+  fuzz::PushedFrames frames;
   Bytes in(data, size);
-  for (std::int64_t now_ns = kStepNs; !in.empty(); now_ns += kStepNs) {
+  for (std::int64_t now_ns = fuzz::kPushedStepNs; !in.empty(); now_ns += fuzz::kPushedStepNs) {
     const std::size_t written = number(in, 1);
     const std::size_t at = number(in, 2);
     writer.write(at, taken_off(in, written));
     const std::size_t length = number(in, 1);
     const Bytes notice = taken_off(in, length & 0x7FU);
-    if (reader.take_from_ring(notice, ring, now_ns, (length & 0x80U) != 0, slot) != push::Refusal::none)
+    if (reader.take_from_ring(notice, ring, now_ns, (length & 0x80U) != 0, frames.slot()) !=
+        push::Refusal::none)
       continue;
-    for (const float value : owned.memory) demand(std::isfinite(value));
-    demand(slot.sequence > last && slot.time_ns > last_ns);
-    demand(slot.time_ns <= now_ns && now_ns - slot.time_ns <= kMaxAgeNs);
-    last = slot.sequence;
-    last_ns = slot.time_ns;
+    frames.demand_next(now_ns);
   }
   return 0;
 }
