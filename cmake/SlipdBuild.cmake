@@ -63,6 +63,15 @@ if(SLIPD_PRECOMPILE)  # collecting garbage less often saves the compiler time an
   target_compile_options(slipd_flags INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-expand=200;--param=ggc-min-heapsize=400000>)
 endif()
 
+# slipd_optimise_under_sanitizers(): what computes in the folder is optimised there, too. Headers that the compiler has read before were read
+# with other options, so they are read anew.
+macro(slipd_optimise_under_sanitizers)
+  if(SLIPD_SANITIZE)
+    add_compile_options(-O1)
+    set(SLIPD_PRECOMPILED "")
+  endif()
+endmacro()
+
 # slipd_library(name SOURCES … LINKS …): one room as a static library.
 function(slipd_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})

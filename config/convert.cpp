@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/advice/alert.hpp"
+
 namespace slipd {
 namespace {
 
@@ -148,10 +150,12 @@ class Converter {
          .slip_below = in["slip_below"],
          .hysteresis = in["hysteresis"],
          .min_ms = in["min_ms"],
-         .sigmas = in["sigmas"],
+         .cost = in.contains("sigmas") ? cost_of(in["sigmas"]) : in["cost"].get<double>(),
          .target_margin = in["target_margin"],
          .false_alarms_per_hour = in["false_alarms_per_hour"],
          .use = in["use"] == "low" ? AlertUse::low : AlertUse::margin};
+    if (in.contains("sigmas") && written_["alerts"].contains("cost"))
+      add("/alerts/sigmas", in["sigmas"], "says again what \"cost\" says; leave one of them out");
     if (a.slip_below <= a.warn_below) return;
     add("/alerts/slip_below", in["slip_below"],
         "is above warn_below = " + in["warn_below"].dump() + "; expected slip_below <= warn_below");

@@ -8,6 +8,7 @@
 #include "embedded/slipd_grip_schema.hpp"
 #include "grip/controller.hpp"
 #include "grip/order_socket.hpp"
+#include "grip/release_notice.hpp"
 #include "grip/settings.hpp"
 
 namespace {
@@ -21,13 +22,19 @@ class Service final : public bridges::Service {
  public:
   Service(const Settings& settings, bridges::Loop& loop)
       : controller_(settings),
+        notice_(settings.socket, settings.fingers),
         orders_(loop, settings.orders, [this](const std::string& line) { return obey(line); }) {}
 
  private:
   std::string obey(const std::string& line) {
     nlohmann::json answer = controller_.status();
-    if (line == "open" || line == "close") {
-      controller_.wish(line == "open" ? Wish::open : Wish::close);
+    if (line == "open") {
+      controller_.wish(Wish::open);
+      notice_.opens();
+      answer = {{"taken", line}};
+    } else if (line == "close") {
+      notice_.closes();
+      controller_.wish(Wish::close);
       answer = {{"taken", line}};
     } else if (line != "status") {
       answer = {{"error", "orders are open, close and status"}};
@@ -36,6 +43,7 @@ class Service final : public bridges::Service {
   }
 
   Controller controller_;
+  ReleaseNotice notice_;
   OrderSocket orders_;
 };
 

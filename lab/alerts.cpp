@@ -1,6 +1,7 @@
 // `slipd-lab alerts`: how many holds have an alert and how many slips have one in time, on the simulated
 // presets.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -17,24 +18,29 @@ namespace {
 
 struct AlertsOptions {
   std::vector<std::string> presets{"pillars", "magnetic-skin"};
+  std::vector<double> costs{slipd::AlertSettings{}.cost};
   std::size_t grasps = 1000;
   unsigned threads = 2;
 };
 
-std::vector<AlertTrialPair> run_kind(const PresetBench& bench, GraspKind kind, const AlertsOptions& options,
-                                     std::uint64_t seed) {
+// Of each grasp, at each cost.
+using Trials = std::vector<std::vector<AlertTrialPair>>;
+
+Trials run_kind(const PresetBench& bench, GraspKind kind, const AlertsOptions& options, std::uint64_t seed) {
   offline::ProgressBar bar(std::string(to_string(bench.preset)) +
                            (kind == GraspKind::hold ? " holds" : " slips"));
   return collect(
       options.grasps, options.threads, [&](double share) { bar.show(share, "grasps"); },
-      [&](std::size_t i) { return run_preset_grasp(bench, draw_preset_grasp(bench, kind, seed, i)); });
+      [&](std::size_t i) {
+        return run_preset_grasp(bench, draw_preset_grasp(bench, kind, seed, i), options.costs);
+      });
 }
 
-std::vector<AlertTrial> of_chain(const std::vector<AlertTrialPair>& pairs, bool known) {
-  std::vector<AlertTrial> trials;
-  trials.reserve(pairs.size());
-  for (const AlertTrialPair& pair : pairs) trials.push_back(known ? pair.known : pair.unknown);
-  return trials;
+std::vector<AlertTrial> of_chain(const Trials& trials, std::size_t cost, bool known) {
+  std::vector<AlertTrial> chosen;
+  chosen.reserve(trials.size());
+  for (const auto& grasp : trials) chosen.push_back(known ? grasp[cost].known : grasp[cost].unknown);
+  return chosen;
 }
 
 void run_alerts(const offline::Common& common, const AlertsOptions& options) {
@@ -44,9 +50,14 @@ void run_alerts(const offline::Common& common, const AlertsOptions& options) {
     const auto holds = run_kind(bench, GraspKind::hold, options, common.seed);
     const auto slips = run_kind(bench, GraspKind::slip, options, common.seed);
     for (const bool known : {true, false})
-      lines.push_back(count_alerts(bench, known, of_chain(holds, known), of_chain(slips, known)));
+      for (std::size_t i = 0; i < options.costs.size(); ++i)
+        lines.push_back(count_alerts(bench, known, options.costs[i], of_chain(holds, i, known),
+                                     of_chain(slips, i, known)));
   }
-  publish({.print_table = [&] { std::cout << alerts_table(lines); }, .json = [&] { return to_sweep(lines); }},
+  const bool one = options.costs.size() == 1;
+  publish({.print_table = [&] { std::cout << (one ? alerts_table(lines) : costs_table(lines)); },
+           .json = [&] { return to_sweep(lines); },
+           .write_files = [&](const std::filesystem::path& folder) { plot_costs(lines, folder); }},
           common);
 }
 
@@ -59,6 +70,13 @@ void add_alerts(CLI::App& app, const offline::Common& common) {
                      "ideal, pillars, magnetic-skin");
   add_grasps_option(*command, options->grasps, "holds, and as many slips, of each preset");
   add_threads_option(*command, options->threads);
+  command
+      ->add_option("--costs", options->costs,
+                   "of a slip that is not told, in needless alerts: alerts.cost; several, in a list: a table "
+                   "and a plot of what each chooses")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str();
   command->callback([&common, options] { run_alerts(common, *options); });
 }
 

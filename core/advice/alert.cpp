@@ -2,9 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace slipd {
+namespace {
+
+// The share of a Gaussian that is more than so many standard deviations above its middle.
+double share_beyond(double sigmas) noexcept {
+  return 0.5 * std::erfc(sigmas / std::numbers::sqrt2);
+}
+
+}  // namespace
+
+double cost_of(double sigmas) noexcept {
+  return share_beyond(-sigmas) / share_beyond(sigmas);
+}
+
+// The share falls from 1 to 0, so that halves of an interval that has the answer close in on it.
+double sigmas_for(double cost) noexcept {
+  const double share = 1 / (1 + cost);
+  double low = -30, high = 30;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (share_beyond(middle) > share ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
 void AlertLogic::Stopwatch::pause(std::int64_t for_ns) noexcept {
   if (since_ns_ >= 0) since_ns_ += for_ns;
 }
@@ -23,7 +48,7 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now, bool watched
   std::optional<double> margin = now.gamma_low;
   if (settings_.use == AlertUse::margin) {
     margin = now.gamma;
-    if (margin) *margin -= settings_.sigmas * now.sigma.value_or(0);
+    if (margin) *margin -= sigmas_ * now.sigma.value_or(0);
   }
   if (now.state == State::no_contact) {
     below_warn_.restart();

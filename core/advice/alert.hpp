@@ -10,18 +10,27 @@
 
 namespace slipd {
 
+// How many standard deviations are taken off a margin so that an alert is raised where silence would cost
+// more: where the probability that the margin is below the threshold, times `cost`, exceeds that it is not.
+// The error of a margin is Gaussian. cost: of a slip that is not told, in needless alerts; > 0, below 1 more
+// is put on than taken off.
+double sigmas_for(double cost) noexcept;
+// The cost at which so many are taken off.
+double cost_of(double sigmas) noexcept;
+
 class AlertLogic {
  public:
-  explicit AlertLogic(const AlertSettings& settings) : settings_(settings) {}
+  explicit AlertLogic(const AlertSettings& settings)
+      : settings_(settings), sigmas_(sigmas_for(settings.cost)) {}
 
-  // gamma less `sigmas` times sigma decides, or gamma_low (AlertSettings::use). A level is raised by the
-  // first sample at which the margin has stayed below its threshold for min_ms, and lowered when it has
-  // stayed above threshold + hysteresis for as long, or when contact is lost. A margin that is not known
-  // raises nothing and lowers nothing: who does not know has no evidence that the grip got safer. Such
-  // samples do not count towards min_ms. A level whose margin is gone ends once the object has been seen not
-  // to slide for kStillNs: what it foretold has not come. No alert is `unknown` from kNoneHoldsNs after the
-  // last sample on that could have raised one: with a margin, without contact, or `watched`: slides of the
-  // object show otherwise.
+  // gamma less sigmas_for(AlertSettings::cost) times sigma decides, or gamma_low (AlertSettings::use). A
+  // level is raised by the first sample at which the margin has stayed below its threshold for min_ms, and
+  // lowered when it has stayed above threshold + hysteresis for as long, or when contact is lost. A margin
+  // that is not known raises nothing and lowers nothing: who does not know has no evidence that the grip got
+  // safer. Such samples do not count towards min_ms. A level whose margin is gone ends once the object has
+  // been seen not to slide for kStillNs: what it foretold has not come. No alert is `unknown` from
+  // kNoneHoldsNs after the last sample on that could have raised one: with a margin, without contact, or
+  // `watched`: slides of the object show otherwise.
   Alert update(std::int64_t time_ns, const Estimate& now, bool watched = false) noexcept;
 
   // The same of `out`, whose margin and sliding are decided, written into its alert and cause. An object that
@@ -54,6 +63,7 @@ class AlertLogic {
   };
 
   AlertSettings settings_;
+  double sigmas_;                           // taken off the margin
   Alert level_ = Alert::none;               // never unknown
   std::optional<std::int64_t> watched_ns_;  // the last sample that could have raised an alert
   Stopwatch below_warn_, below_slip_, above_;

@@ -41,7 +41,7 @@ struct KnownFriction {
 
 // What alerts are judged by.
 enum class AlertUse : std::uint8_t {
-  margin,  // Gamma less `sigmas` times its sigma; nothing while Gamma is not known
+  margin,  // Gamma less sigmas_for(cost) times its sigma; nothing while Gamma is not known
   low      // gamma_low: also before friction is known
 };
 
@@ -57,7 +57,7 @@ struct AlertSettings {
   double slip_below = 0.2;
   double hysteresis = 0.05;
   double min_ms = 2;
-  double sigmas = 1;  // how many sigma are taken off gamma before it is compared
+  double cost = 5;  // what a slip that is not told costs, in needless alerts; 1 …
   double target_margin = 0.5;
   double false_alarms_per_hour = 1;  // of the detection of sliding in a held grasp, by design
   AlertUse use = AlertUse::margin;

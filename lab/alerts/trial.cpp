@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/advice/alert.hpp"
 #include "lab/frames/simulated_frames.hpp"
 #include "lab/grasp/drive.hpp"
 
@@ -43,17 +44,32 @@ void note(const GraspMoment& at, const Estimate& estimate, const sim::SimulatedS
 
 }  // namespace
 
-AlertTrialPair run_preset_grasp(const PresetBench& bench, const sim::SensorSettings& grasp) {
+std::vector<AlertTrialPair> run_preset_grasp(const PresetBench& bench, const sim::SensorSettings& grasp,
+                                             std::span<const double> costs) {
   SimulatedFrames frames(bench, grasp);
   std::array<EstimatorChain, 2> chains{
       EstimatorChain(chain_of(bench, sliding_friction(bench, grasp)), nullptr),
       EstimatorChain(chain_of(bench, std::nullopt), nullptr)};
-  AlertTrialPair trials;
+  std::vector<std::array<AlertLogic, 2>> judges;
+  for (const double cost : costs) {
+    const AlertLogic judge({.cost = cost});
+    judges.push_back({judge, judge});
+  }
+  std::vector<AlertTrialPair> trials(costs.size());
   drive(frames, chains, [&](const GraspSample& sample) {
-    note(sample.at, sample.estimates[0], frames.sensor(), trials.known);
-    note(sample.at, sample.estimates[1], frames.sensor(), trials.unknown);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      for (const std::size_t chain : {0U, 1U}) {
+        Estimate estimate = sample.estimates[chain];
+        judges[i][chain].judge(estimate);
+        note(sample.at, estimate, frames.sensor(), chain == 0 ? trials[i].known : trials[i].unknown);
+      }
+    }
   });
   return trials;
+}
+
+AlertTrialPair run_preset_grasp(const PresetBench& bench, const sim::SensorSettings& grasp) {
+  return run_preset_grasp(bench, grasp, std::array{AlertSettings{}.cost}).front();
 }
 
 }  // namespace lab

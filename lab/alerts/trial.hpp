@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "core/estimate/estimate.hpp"
 #include "lab/frames/preset_grasp.hpp"
@@ -21,10 +23,15 @@ struct AlertTrial {
   std::size_t answered_frames = 0;                    // of these, with a margin from the chain
 };
 
-// One grasp through two chains: with the friction that this contact slides at, and without it.
+// Of two chains: with the friction that this contact slides at, and without it.
 struct AlertTrialPair {
   AlertTrial known, unknown;
 };
+// One grasp through both, its estimates judged at each cost of a slip that is not told (AlertSettings::cost).
+std::vector<AlertTrialPair> run_preset_grasp(const PresetBench& bench,
+                                             const slipd::sim::SensorSettings& grasp,
+                                             std::span<const double> costs);
+// At the default cost.
 AlertTrialPair run_preset_grasp(const PresetBench& bench, const slipd::sim::SensorSettings& grasp);
 
 }  // namespace lab

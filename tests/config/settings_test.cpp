@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/advice/alert.hpp"
 #include "tests/config/support.hpp"
 
 namespace slipd::test {
@@ -170,7 +171,7 @@ TEST(Settings, CarryEveryKeyInSIUnits) {
   EXPECT_EQ(s.estimator, (EstimatorSettings{MethodChoice::fit, 60, 9, 6, false, 0.2}));
   EXPECT_EQ(s.noise, 0.02);
   EXPECT_EQ(s.offset_m, 0.003);
-  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6, 2, AlertUse::low}));
+  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 20, 0.6, 2, AlertUse::low}));
   EXPECT_EQ(s.socket.path, "/tmp/s");
   EXPECT_EQ(s.socket.mode, 0600U);
   EXPECT_EQ(s.socket.max_clients, 10U);
@@ -317,6 +318,15 @@ TEST(Settings, WantRangesThatRiseAndThresholdsInOrder) {
               testing::UnorderedElementsAre(
                   HasSubstr("/objects/0/normal_n = [5,1]: falls"), HasSubstr("/objects/1/weight"),
                   HasSubstr("/alerts/slip_below = 0.4: is above warn_below = 0.3")));
+}
+
+TEST(Settings, TakeTheCostOfASlipOrItsSigmasButNotBoth) {
+  const auto cost_with = [](const json& alerts) { return parse(with("/alerts", alerts)).alerts.cost; };
+  EXPECT_EQ(cost_with({{"cost", 20}}), 20);
+  EXPECT_NEAR(sigmas_for(cost_with({{"sigmas", 1.7}})), 1.7, 1e-9);
+  EXPECT_THAT(problems_of(with("/alerts/sigmas", -1)), ElementsAre(HasSubstr("/alerts/sigmas")));
+  EXPECT_THAT(problems_of(with("/alerts", {{"cost", 20}, {"sigmas", 1.7}})),
+              ElementsAre(HasSubstr("/alerts/sigmas = 1.7: says again what \"cost\" says")));
 }
 
 TEST(Settings, PutAtMost31SensorsOnCAN) {

@@ -79,7 +79,7 @@ inline nlohmann::json whole_document() {
                    "modulus_mpa": [1, 10], "poisson": [0.1, 0.2] } ],
     "estimator": { "method": "fit", "budget_us": 60, "rank": 9, "neighbours": 6, "tracking": false, "sigma_max": 0.2,
                    "noise": 0.02, "offset_mm": 3 },
-    "alerts": { "warn_below": 0.5, "slip_below": 0.3, "false_alarms_per_hour": 2, "use": "low", "hysteresis": 0.06, "min_ms": 3, "sigmas": 2, "target_margin": 0.6 },
+    "alerts": { "warn_below": 0.5, "slip_below": 0.3, "false_alarms_per_hour": 2, "use": "low", "hysteresis": 0.06, "min_ms": 3, "cost": 20, "target_margin": 0.6 },
     "socket": { "path": "/tmp/s", "mode": "0600", "max_clients": 10 },
     "can": { "interface": "can1", "base_id": "0x100", "extended": true, "fd": true, "period_ms": 20, "allow_simulated": true, "sliding": true },
     "recorder": { "seconds": 5, "max_mb": 10, "keep": 3 },

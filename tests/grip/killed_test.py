@@ -3,18 +3,15 @@ told to open, no force is above the limit, none falls in the dark, and the journ
 import json
 import os
 import re
-import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import unittest
 
 from awaiting import await_true
+from grip_bed import BIN, Programs
 
-BIN = os.path.join(os.environ["SLIPD_BINARY_DIR"], "bin")
-DRIVERS = os.path.join(os.environ["SLIPD_BINARY_DIR"], "drivers")
 SIDE, RATE_HZ = 5, 100
 FIRM_N, MOST_N = 12, 15
 TIMES = int(sys.argv.pop()) if len(sys.argv) > 1 and sys.argv[-1].isdigit() else 1
@@ -91,59 +88,25 @@ class Gripper:
         self._start()
 
 
-class Bed:
+class Bed(Programs):
     def __init__(self):
-        self.folder = tempfile.TemporaryDirectory(prefix="slipd-grip-")
-        self.at = lambda name: os.path.join(self.folder.name, name)
         sensor = {"driver": "push", "rate_hz": RATE_HZ, "layout": {"grid": [SIDE, SIDE], "pitch_mm": 2},
                   "skin": {"radius_mm": 20}, "options": {"unit": "N", "zeroed": True}}
-        self._write("slipd.json", {"sensors": [{"name": "left", **sensor}, {"name": "right", **sensor}],
-                                   "grasps": [{"name": "gripper", "sensors": ["left", "right"]}],
-                                   "realtime": {"mode": "off", "lock_memory": False}, "socket": {"path": self.at("slipd.sock")}})
-        self._write("grip.json", {"socket": self.at("slipd.sock"), "fingers": ["left", "right"], "grasp": "gripper", "max_age_ms": 100,
-                                  "force": {"firm_n": FIRM_N, "most_n": MOST_N, "close_n": 2}, "orders": self.at("orders.sock"),
-                                  "firm_by": "firm_n", "gripper": {"type": "line", "socket": self.at("gripper.sock")}})
+        grip = {"fingers": ["left", "right"], "grasp": "gripper", "max_age_ms": 100, "firm_by": "firm_n",
+                "force": {"firm_n": FIRM_N, "most_n": MOST_N, "close_n": 2}}
+        super().__init__({"sensors": [{"name": "left", **sensor}, {"name": "right", **sensor}],
+                          "grasps": [{"name": "gripper", "sensors": ["left", "right"]}]}, grip)
+        self.commands["pusher"] = [sys.executable, "-c", PUSHER, self.at("slipd.sock")]
         self.gripper = Gripper(self.at("gripper.sock"))
-        self.log = open(self.at("log"), "a+", encoding="utf-8")
-        self.programs = {}
         for name in ("slipd", "pusher", "grip"):
             self.start(name)
         await_true(lambda: self.status() is not None, "slipd-grip")
         self.order("close")
         await_true(lambda: self.status()["state"] not in ("idle", "closing"), "a grip")
 
-    def _write(self, name, what):
-        with open(self.at(name), "w", encoding="utf-8") as file:
-            json.dump(what, file)
-
-    def start(self, name):
-        command = {"slipd": [BIN + "/slipd", "--config", self.at("slipd.json"), "--driver-dir", DRIVERS],
-                   "pusher": [sys.executable, "-c", PUSHER, self.at("slipd.sock")],
-                   "grip": [BIN + "/slipd-grip", "--config", self.at("grip.json")]}[name]
-        self.programs[name] = subprocess.Popen(command, stderr=self.log, stdout=subprocess.DEVNULL)
-
-    def kill(self, name):
-        self.programs[name].send_signal(signal.SIGKILL)
-        self.programs[name].wait()
-
-    def order(self, word):
-        ran = subprocess.run([BIN + "/slipd-grip", word, "--orders", self.at("orders.sock")], capture_output=True, text=True, check=False)
-        return json.loads(ran.stdout) if ran.returncode == 0 else None
-
-    def status(self):
-        return self.order("status") or None
-
-    def journal(self):
-        with open(self.at("log"), encoding="utf-8") as file:
-            return file.read()
-
     def close(self):
-        for program in self.programs.values():
-            program.kill()
-            program.wait()
         self.gripper.kill()
-        self.log.close()
-        self.folder.cleanup()
+        super().close()
 
 
 class Killed(unittest.TestCase):

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -61,6 +62,22 @@ TEST_P(PresetGrasps, RunThroughTheChainWithFrictionKnownAndNot) {
   }
 }
 
+// An alert that costs less comes no later.
+TEST_P(PresetGrasps, AreToldNoLaterWhereASlipCostsMore) {
+  const PresetBench bench = bench_of(GetParam());
+  const std::array costs{1.0, 5.0, 100.0};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto slips = run_preset_grasp(bench, draw_preset_grasp(bench, GraspKind::slip, 2, i), costs);
+    ASSERT_EQ(slips.size(), costs.size());
+    for (std::size_t c = 0; c + 1 < costs.size(); ++c) {
+      ASSERT_TRUE(slips[c].unknown.first_alert_s && slips[c + 1].unknown.first_alert_s) << i;
+      EXPECT_GE(*slips[c].unknown.first_alert_s, *slips[c + 1].unknown.first_alert_s) << i;
+    }
+    const auto alone = run_preset_grasp(bench, draw_preset_grasp(bench, GraspKind::slip, 2, i));
+    EXPECT_EQ(alone.unknown.first_alert_s, slips[1].unknown.first_alert_s);
+  }
+}
+
 // Pillars that are pressed least slip first.
 TEST(PillarsOfUnknownFriction, WarnBeforeTheySlide) {
   const PresetBench bench = bench_of(Preset::pillars);
@@ -87,7 +104,7 @@ TEST(AlertCounts, TellBeforeSoonLateAndMissed) {
   AlertTrial quiet, warned, cried;
   warned.first_alert_s = 1;
   cried.first_alert_s = cried.first_slip_s = 1;
-  const AlertLine line = count_alerts(pillars, true, {quiet, warned, cried}, slips);
+  const AlertLine line = count_alerts(pillars, true, 5, {quiet, warned, cried}, slips);
   EXPECT_EQ(line.holds, 3U);
   EXPECT_EQ(line.holds_alerted, 2U);
   EXPECT_EQ(line.holds_slip, 1U);
@@ -99,7 +116,7 @@ TEST(AlertCounts, TellBeforeSoonLateAndMissed) {
   // Three frames at 100 a second are 30 ms, at 20 they are 150.
   PresetBench slow = skin;
   slow.rate_hz = 20;
-  EXPECT_EQ(count_alerts(slow, false, {}, {slipped_at(1, 1.14), slipped_at(1, 1.16)}).soon, 1U);
+  EXPECT_EQ(count_alerts(slow, false, 5, {}, {slipped_at(1, 1.14), slipped_at(1, 1.16)}).soon, 1U);
   EXPECT_NE(
       alerts_table({line}).find("| `pillars` | 500 | known | 3 | 66.7 % | 33.3 % | 4 | 25.0 % | 50.0 % |"),
       std::string::npos)

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "core/advice/alert.hpp"
 #include "tests/support/synthetic.hpp"
 
 namespace slipd {
@@ -53,7 +54,7 @@ TEST_F(Chain, TheFirstFrameWhoseMarginHasStayedLowForLongEnoughRaisesTheAlert) {
   press(100, 2, 0);
   const auto estimates = press(200, 2, 0.98);
   const auto low = [&](const Estimate& e, double threshold) {
-    return e.gamma && *e.gamma - setup_.alerts.sigmas * *e.sigma < threshold;
+    return e.gamma && *e.gamma - sigmas_for(setup_.alerts.cost) * *e.sigma < threshold;
   };
   for (const auto& [level, threshold] :
        {std::pair{Alert::warn, setup_.alerts.warn_below}, std::pair{Alert::slip, setup_.alerts.slip_below}}) {
