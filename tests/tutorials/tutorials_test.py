@@ -90,7 +90,17 @@ class Tutorial(unittest.TestCase):
         if not laboratory.exists() or subprocess.run([laboratory, "grip", "--help"], capture_output=True).returncode != 0:
             self.skipTest("slipd-lab is built without MuJoCo here")
         command = blocks("simulator.md", "sh")[-1].split()
-        self.prints(blocks("simulator.md", "text")[2], [laboratory, *command[1:]])
+        self.prints(blocks("simulator.md", "text")[4], [laboratory, *command[1:]])
+
+    def test_a_box_in_mujoco_is_held_by_who_listens_and_falls_from_who_does_not(self):
+        example, world = BUILD / "examples/example-mujoco", SOURCE / "examples/mujoco"
+        if not example.exists():
+            self.skipTest("example-mujoco is built without MuJoCo here")
+        settings = self.folder / "slipd.json"
+        settings.write_text((world / "slipd.json").read_text(encoding="utf-8").replace("/tmp/slipd-mujoco.sock", self.socket))
+        self.runs_slipd(settings)
+        self.prints(blocks("simulator.md", "text")[2], [example, world / "gripper.xml", self.socket])
+        self.prints(blocks("simulator.md", "text")[3], [example, world / "gripper.xml", "deaf", self.socket])
 
     def test_a_program_pushes_frames_and_gets_an_alert(self):
         self.starts("program.md")
