@@ -96,7 +96,7 @@ int run(const char* file, bool deaf, const std::string& socket) {
     right.push(frame(*model, *data, "right"));
     const slipd::client::Estimate now = slipd.wait("gripper", kMaxAgeS, kMaxAgeS);
     const double fell_mm = -1e3 * data->xpos[3 * box + 2];
-    if (sent % 25 == 0)
+    if (sent % 10 == 0)
       std::printf("%5.2f s  friction %.2f  %-10s margin %5.2f  force %4.1f N  fell %5.1f mm\n", data->time,
                   friction(data->time), slipd_state_name(now.fields().state), now.margin().value_or(NAN),
                   force_n, fell_mm);
