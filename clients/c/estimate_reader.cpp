@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <type_traits>
 
 namespace slipd::client {
@@ -62,6 +61,7 @@ constexpr std::array kFields{
     Field{"age_ms", &Values::age_ms},
     Field{"dropped", &Values::dropped},
 };
+constexpr double kMostClass = 5;
 constexpr std::string_view kSensor = kFields[0].key, kGrasp = kFields[1].key;
 
 // The index of `key`, sought from `first` on and then before; the number of fields if there is none.
@@ -102,7 +102,7 @@ struct Set {
   void operator()(Number member) const { to.*member = number(scalar); }
   void operator()(Class member) const {
     const std::optional<double> some = number(scalar);
-    const bool is_one = some && *some >= 0 && *some <= std::numeric_limits<int>::max();
+    const bool is_one = some && *some >= 1 && *some <= kMostClass;
     to.*member = is_one ? std::optional(static_cast<int>(*some)) : std::nullopt;
   }
   void operator()(Flag member) const {

@@ -37,8 +37,7 @@ void advance(CanScheduler::Time& next, std::chrono::nanoseconds interval, CanSch
 }  // namespace
 
 CanScheduler::CanScheduler(const Settings& settings, const Board& board, Port& port, LogRing& log, Time start)
-    : settings_(settings),
-      can_(*settings.can),
+    : can_(*settings.can),
       port_(port),
       log_(log),
       start_(start),

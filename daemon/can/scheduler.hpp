@@ -64,7 +64,6 @@ class CanScheduler {
   void publish() noexcept;
   Bus bus() const noexcept;
 
-  const Settings& settings_;
   const CanSettings& can_;
   Port& port_;
   LogRing& log_;

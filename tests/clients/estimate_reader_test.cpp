@@ -22,7 +22,7 @@ EstimateValues looked_up(const Json& in) {
   out.time_ns = integer(in, "time_ns");
   out.gamma = number(in, "gamma");
   out.shear_x_n = number(in, "shear_x_n");
-  if (const auto value = number(in, "class"); value && *value >= 0 && *value < 1e9)
+  if (const auto value = number(in, "class"); value && *value >= 1 && *value <= 5)
     out.slip_class = static_cast<int>(*value);
   if (const Json& center = member(in, "center_mm");
       center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number()) {

@@ -45,7 +45,6 @@ ShearFromPressureFilter::Roots::Roots(std::size_t n) : length(n), cosine(n / 2),
 ShearFromPressureFilter::ShearFromPressureFilter(const TaxelLayout::Grid& grid, double depth_m,
                                                  double least_sensed)
     : columns_(grid.columns),
-      rows_(grid.rows),
       along_x_(std::bit_ceil(2 * grid.columns)),
       along_y_(std::bit_ceil(2 * grid.rows)) {
   const std::size_t size = along_x_.length * along_y_.length;

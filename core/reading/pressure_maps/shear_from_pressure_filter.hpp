@@ -70,7 +70,7 @@ class ShearFromPressureFilter {
   void filter(const std::vector<float>& kernel_re, const std::vector<float>& kernel_im,
               std::span<float> out_re, std::span<float> out_im) noexcept;
 
-  const std::size_t columns_, rows_;
+  const std::size_t columns_;
   Roots along_x_, along_y_;  // of twice the grid's width and height, or more
   // Over the transforms' lengths, in the order of spectrum_: the ratio, and that of pressing, x and i y.
   struct Kernels {

@@ -136,6 +136,7 @@ std::vector<float> of_makers_reader(const Bytes& message) {
 
 TEST(Decoder, ReadsOfAnyBytesWhatTheMakersReaderReadsValueByValue) {
   std::mt19937 bits(1);
+  DecoderRig left("eflesh", 0), right("eflesh", 1);
   for (int frame = 0; frame < 1000; ++frame) {
     Bytes message;
     for (int i = 0; i < 40; ++i) {
@@ -147,7 +148,7 @@ TEST(Decoder, ReadsOfAnyBytesWhatTheMakersReaderReadsValueByValue) {
     devices::append(message, {'\r', '\n'});
     const std::vector<float> wanted = of_makers_reader(message);
     for (std::size_t pad = 0; pad < 2; ++pad) {
-      DecoderRig rig("eflesh", pad);
+      DecoderRig& rig = pad == 0 ? left : right;
       ASSERT_EQ(rig.take({0, message}), Outcome::frame);
       for (std::size_t chip = 0; chip < 5; ++chip) {
         const float* const of_chip = &wanted[3 * (5 * pad + chip)];
