@@ -37,6 +37,7 @@ const std::map<std::string_view, Statistic> kStatistics{
     {"within_three_sigma", [](const Tally& t) -> ordered_json { return t.within(3); }},
     {"low_above_truth", [](const Tally& t) -> ordered_json { return t.low_above(); }},
     {"low_worst", [](const Tally& t) -> ordered_json { return t.low_worst(); }},
+    {"low_clearly_above_truth", [](const Tally& t) -> ordered_json { return t.low_clearly_above(); }},
     {"low_below_truth_by", [](const Tally& t) -> ordered_json { return t.low_shortfall(); }},
     {"friction_error", [](const Tally& t) -> ordered_json { return t.friction_error(); }},
     {"friction_wrong", [](const Tally& t) -> ordered_json { return t.friction_wrong(); }},

@@ -33,8 +33,9 @@ offline::SweepResult result_of(nlohmann::ordered_json head, nlohmann::ordered_js
 
 // The statistics of a tally that a row has, by their keys: frames, answered, answers, mean_error,
 // worst_error, bias, class_right, claims_safer, claims_less_safe, within_sigma, within_two_sigma,
-// within_three_sigma, low_above_truth, low_worst, low_below_truth_by, friction_error, friction_wrong, the
-// names of states for their shares, and states for all that occurred. Throws std::out_of_range for others.
+// within_three_sigma, low_above_truth, low_clearly_above_truth, low_worst, low_below_truth_by,
+// friction_error, friction_wrong, the names of states for their shares, and states for all that occurred.
+// Throws std::out_of_range for others.
 nlohmann::ordered_json to_json(const Tally& tally, std::initializer_list<const char*> keys);
 
 // Of 100; 0 of none.

@@ -120,7 +120,7 @@ std::string costs_table(const std::vector<AlertLine>& lines) {
 }
 
 void plot_costs(const std::vector<AlertLine>& lines, const std::filesystem::path& folder) {
-  std::ostringstream data, curves, chosen;
+  std::ostringstream data, curves;
   std::size_t index = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const AlertLine& line = lines[i];

@@ -65,10 +65,14 @@ HistoriesLine measure_moves(std::size_t side, const std::string& method, const H
   };
   HistoriesLine line{.side = side, .method = method, .all = {}, .first_grasp = {}};
   for (const TalliesByMove& grasp : collect(setup.grasps, setup.threads, done, play)) {
+    Tally whole;
     for (std::size_t move = 0; move < kMoves; ++move) {
       line.by_move[move].add(grasp[move]);
-      if (move != static_cast<std::size_t>(Move::unseen)) line.all.add(grasp[move]);
+      if (move != static_cast<std::size_t>(Move::unseen)) whole.add(grasp[move]);
     }
+    line.all.add(whole);
+    line.low_above.add(whole.lows_above(), whole.lows());
+    line.low_clearly_above.add(whole.lows_clearly_above(), whole.lows());
   }
   line.first_grasp = traced.str();
   return line;

@@ -9,6 +9,7 @@
 #include "core/contact/scene.hpp"
 #include "lab/collect.hpp"
 #include "lab/frames/random_frames.hpp"
+#include "lab/tally/block_share.hpp"
 #include "lab/tally/tally.hpp"
 
 namespace lab {
@@ -34,6 +35,9 @@ struct HistoriesLine {
   std::string method;
   Tally all;
   TalliesByMove by_move{};
+  // Of `all`, of frames with a gamma_low those where it is above the truth, and clearly above; a block is a
+  // grasp.
+  BlockShare low_above, low_clearly_above;
   std::string first_grasp;  // its frames as CSV
   std::size_t unit = 0;     // number of its side and method in the sweep
 };

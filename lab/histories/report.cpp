@@ -24,7 +24,7 @@ void print_row(const std::string& what, const Tally& tally) {
 nlohmann::ordered_json as_json(const Tally& tally) {
   return to_json(tally, {"frames", "answered", "mean_error", "worst_error", "class_right", "claims_safer",
                          "claims_less_safe", "within_sigma", "within_two_sigma", "low_above_truth",
-                         "low_worst", "low_below_truth_by", "states"});
+                         "low_clearly_above_truth", "low_worst", "low_below_truth_by", "states"});
 }
 
 void write_table(const std::vector<HistoriesLine>& lines, const std::filesystem::path& folder) {
@@ -79,6 +79,11 @@ void print_table(const std::vector<HistoriesLine>& lines, const HistoriesSetup& 
   for (const auto& line : lines) {
     std::printf("%zu x %zu, %s\n", line.side, line.side, line.method.c_str());
     print_row("everything", line.all);
+    std::printf(
+        "  gamma_low above the truth %.2f %% +- %.2f, by more than %g %.2f %% +- %.2f (standard deviations "
+        "over grasps)\n",
+        100 * line.low_above.share(), 100 * line.low_above.sigma(), kClearlyAbove,
+        100 * line.low_clearly_above.share(), 100 * line.low_clearly_above.sigma());
     for (std::size_t move = 0; move < kMoves; ++move)
       print_row(std::string(name_of(static_cast<Move>(move))), line.by_move[move]);
   }
@@ -98,6 +103,8 @@ offline::SweepResult to_sweep(const std::vector<HistoriesLine>& lines, const His
                              {}};
   for (const auto& line : lines) {
     nlohmann::ordered_json row{{"columns", line.side}, {"method", line.method}, {"all", as_json(line.all)}};
+    row["all"]["low_above_truth_sigma"] = line.low_above.sigma();
+    row["all"]["low_clearly_above_truth_sigma"] = line.low_clearly_above.sigma();
     for (std::size_t move = 0; move < kMoves; ++move)
       row["during"][std::string(name_of(static_cast<Move>(move)))] = as_json(line.by_move[move]);
     sweep.add_row(line.unit, std::move(row));

@@ -16,6 +16,7 @@ void Tally::add_bound(double gamma_low, double truth) {
   const double above = gamma_low - truth;
   low_ += 1;
   low_above_ += above > 0 ? 1 : 0;
+  low_clearly_above_ += above > kClearlyAbove ? 1 : 0;
   low_worst_ = std::max(low_worst_, above);
   low_shortfall_ += std::max(0.0, -above);
 }
@@ -56,7 +57,8 @@ void Tally::add(const Tally& other) {
   for (double Tally::*sum :
        {&Tally::frames_, &Tally::answers_, &Tally::error_, &Tally::above_, &Tally::class_correct_,
         &Tally::overestimates_, &Tally::underestimates_, &Tally::low_, &Tally::low_above_,
-        &Tally::low_shortfall_, &Tally::frictions_, &Tally::friction_error_, &Tally::friction_wrong_})
+        &Tally::low_clearly_above_, &Tally::low_shortfall_, &Tally::frictions_, &Tally::friction_error_,
+        &Tally::friction_wrong_})
     this->*sum += other.*sum;
   for (double Tally::*most : {&Tally::worst_, &Tally::most_above_, &Tally::low_worst_})
     this->*most = std::max(this->*most, other.*most);

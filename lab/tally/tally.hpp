@@ -12,6 +12,8 @@ namespace lab {
 // The error of the margin that counts as gross unless a command says otherwise: an overestimate lets objects
 // slip, an underestimate crushes them.
 inline constexpr double kGrossError = 0.2;
+// How much above the truth a gamma_low is clearly above it.
+inline constexpr double kClearlyAbove = 0.1;
 
 // Frames with an estimate that has a margin are answered. Shares and means of no frames are NaN.
 class Tally {
@@ -51,9 +53,14 @@ class Tally {
   // 1 where no sigma is smaller.
   double least_sigma() const noexcept { return least_sigma_; }
 
-  // Of gamma_low, of frames that have one: the share above the truth, how much it is above it at most, and
-  // its mean distance below the truth (0 counts as a bound).
+  // Of gamma_low, of frames that have one: the shares above the truth and clearly above it, how much it is
+  // above it at most, and its mean distance below the truth (0 counts as a bound).
   double low_above() const noexcept { return share(low_above_, low_); }
+  double low_clearly_above() const noexcept { return share(low_clearly_above_, low_); }
+  // Their numbers.
+  double lows() const noexcept { return low_; }
+  double lows_above() const noexcept { return low_above_; }
+  double lows_clearly_above() const noexcept { return low_clearly_above_; }
   double low_worst() const noexcept { return low_worst_; }
   double low_shortfall() const noexcept { return share(low_shortfall_, low_); }
 
@@ -70,7 +77,7 @@ class Tally {
   double gross_error_ = kGrossError;
   double frames_ = 0, answers_ = 0, error_ = 0, worst_ = 0, above_ = 0, most_above_ = 0, class_correct_ = 0,
          overestimates_ = 0, underestimates_ = 0, least_sigma_ = 1;
-  double low_ = 0, low_above_ = 0, low_worst_ = 0, low_shortfall_ = 0;
+  double low_ = 0, low_above_ = 0, low_clearly_above_ = 0, low_worst_ = 0, low_shortfall_ = 0;
   double frictions_ = 0, friction_error_ = 0, friction_wrong_ = 0;
   std::array<double, 3> within_{};
   std::array<double, kStates> states_{};

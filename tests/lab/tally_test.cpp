@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
+#include "lab/tally/block_share.hpp"
 #include "lab/tally/samples.hpp"
 #include "lab/torque/measure.hpp"
 
@@ -66,6 +68,46 @@ TEST(Tally, OfTwoIsThatOfAllTheirFrames) {
   EXPECT_EQ(one.overestimates(), all.overestimates());
   EXPECT_EQ(one.beyond(2), all.beyond(2));
   EXPECT_EQ(one.least_sigma(), 0.05);
+}
+
+TEST(Tally, CountsBoundsThatAreAboveTheTruthAndClearlySo) {
+  Tally tally;
+  for (const double low : {0.3, 0.45, 0.61}) {
+    Estimate estimate;
+    estimate.gamma_low = low;
+    tally.add(estimate, {.gamma = 0.5});
+  }
+  EXPECT_DOUBLE_EQ(tally.low_above(), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(tally.low_clearly_above(), 1.0 / 3);
+  Estimate estimate;
+  estimate.gamma_low = 0.55;
+  tally.add(estimate, {.gamma = 0.5});
+  EXPECT_DOUBLE_EQ(tally.low_above(), 0.5);
+  EXPECT_DOUBLE_EQ(tally.low_clearly_above(), 0.25);
+}
+
+// Blocks whose frames are all alike, drawn many times: the shares scatter as sigma says, which is more than
+// frames drawn one by one would.
+TEST(BlockShare, ScattersByItsSigma) {
+  std::mt19937_64 random(1);
+  std::bernoulli_distribution bad(0.2);
+  std::uniform_int_distribution<int> frames(50, 150);
+  constexpr int kBlocks = 60, kTrials = 400;
+  double sum = 0, square = 0, told = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    BlockShare share;
+    for (int block = 0; block < kBlocks; ++block) {
+      const int count = frames(random);
+      share.add(bad(random) ? count : 0, count);
+    }
+    sum += share.share();
+    square += share.share() * share.share();
+    told += share.sigma();
+  }
+  const double mean = sum / kTrials, scatter = std::sqrt(square / kTrials - mean * mean);
+  EXPECT_NEAR(mean, 0.2, 0.01);
+  EXPECT_NEAR(told / kTrials / scatter, 1, 0.1);
+  EXPECT_TRUE(std::isnan(BlockShare().share()));
 }
 
 TEST(TorqueTally, CountsErrorsAboveTheTruthAndFrictionWhereSlipIsNear) {
