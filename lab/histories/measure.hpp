@@ -37,7 +37,7 @@ struct HistoriesLine {
   TalliesByMove by_move{};
   // Of `all`, of frames with a gamma_low those where it is above the truth, and clearly above; a block is a
   // grasp.
-  BlockShare low_above, low_clearly_above;
+  BlockShare low_above{}, low_clearly_above{};
   std::string first_grasp;  // its frames as CSV
   std::size_t unit = 0;     // number of its side and method in the sweep
 };
