@@ -28,13 +28,10 @@ class Service final : public bridges::Service {
  private:
   std::string obey(const std::string& line) {
     nlohmann::json answer = controller_.status();
-    if (line == "open") {
-      controller_.wish(Wish::open);
-      notice_.opens();
-      answer = {{"taken", line}};
-    } else if (line == "close") {
-      notice_.closes();
-      controller_.wish(Wish::close);
+    const bool opens = line == "open";
+    if (opens || line == "close") {
+      controller_.wish(opens ? Wish::open : Wish::close);
+      opens ? notice_.opens() : notice_.closes();
       answer = {{"taken", line}};
     } else if (line != "status") {
       answer = {{"error", "orders are open, close and status"}};

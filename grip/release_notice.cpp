@@ -30,6 +30,7 @@ void ReleaseNotice::tell(double seconds) {
       log(LogLevel::info, "slipd takes it for no slip that \"" + finger + "\" is let go");
     } catch (const client::Error& error) {
       if (error.code() == SLIPD_REFUSED) continue;  // a finger that feels forces needs no word
+      if (seconds == 0) return;                     // the release ends by itself
       log(LogLevel::warning, "slipd does not hear that \"" + finger +
                                  "\" is let go, and may take it for a slip: " + error.what());
       return;

@@ -1,8 +1,10 @@
 // `slipd-lab alerts`: how many holds have an alert and how many slips have one in time, on the simulated
 // presets.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -55,10 +57,20 @@ void run_alerts(const offline::Common& common, const AlertsOptions& options) {
                                      of_chain(slips, i, known)));
   }
   const bool one = options.costs.size() == 1;
-  publish({.print_table = [&] { std::cout << (one ? alerts_table(lines) : costs_table(lines)); },
-           .json = [&] { return to_sweep(lines); },
-           .write_files = [&](const std::filesystem::path& folder) { plot_costs(lines, folder); }},
-          common);
+  std::vector<AlertLine> at_default;
+  std::ranges::copy_if(lines, std::back_inserter(at_default),
+                       [](const AlertLine& line) { return line.cost == slipd::AlertSettings{}.cost; });
+  publish(
+      {.print_table =
+           [&] {
+             std::cout << (one ? alerts_table(lines) : alerts_table(at_default) + "\n" + costs_table(lines));
+           },
+       .json = [&] { return to_sweep(lines); },
+       .write_files =
+           [&](const std::filesystem::path& folder) {
+             if (!one) plot_costs(lines, folder);
+           }},
+      common);
 }
 
 }  // namespace
@@ -71,9 +83,10 @@ void add_alerts(CLI::App& app, const offline::Common& common) {
   add_grasps_option(*command, options->grasps, "holds, and as many slips, of each preset");
   add_threads_option(*command, options->threads);
   command
-      ->add_option("--costs", options->costs,
-                   "of a slip that is not told, in needless alerts: alerts.cost; several, in a list: a table "
-                   "and a plot of what each chooses")
+      ->add_option(
+          "--costs", options->costs,
+          "of a slip that is not told, in needless alerts: alerts.cost; several, in a list: also a table "
+          "and a plot of what each chooses")
       ->delimiter(',')
       ->check(CLI::Range(1.0, 1e5))
       ->capture_default_str();
