@@ -4,6 +4,7 @@
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
 #   slipd-feed, slipd-feed-ros2  frames from networks, and from ROS 2 topics
+#   slipd-grip-ros2  grippers of ROS 2, for slipd-grip
 #   slipd-camera                 cameras that look at a gel, as sensors
 #   slipd-grip                   holds objects by slipd's margin, with a gripper
 #   slipd-realtime               a drop-in that allows real-time scheduling
@@ -203,6 +204,13 @@ slipd_bridge_package(grip SECTION electronics
   TEXT "Commands a gripper by the slip margin of slipd: closes until contact,\n\
 holds, tightens before the object slips, and opens on command only.\n\
 Grippers on Modbus by profiles, others by a program of one's own.")
+if(TARGET slipd-grip-ros2)
+  slipd_bridge_package(grip-ros2 SECTION electronics
+    SUMMARY "grippers of ROS 2, for slipd-grip"
+    TEXT "Passes the orders of slipd-grip on to a gripper that a node of ROS 2\n\
+drives, as goals of the actions GripperCommand or ParallelGripperCommand,\n\
+by DDS. Needs no ROS on this computer.")
+endif()
 slipd_bridge_package(web SECTION web
   SUMMARY "slip margin of tactile sensors in a browser"
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/support/unix_address.hpp"
 #include "grip/gripper.hpp"
-#include "grip/unix_address.hpp"
 
 namespace slipd::grip {
 namespace {
@@ -84,7 +84,7 @@ class LineGripper final : public Gripper {
   }
 
   void connect_socket() {
-    const auto address = unix_address(socket_path_);
+    const auto address = bridges::unix_address(socket_path_);
     if (!address) fail("has a path that is too long for a socket");
     fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)

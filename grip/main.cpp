@@ -4,10 +4,10 @@
 #include <exception>
 #include <iostream>
 
+#include "bridges/support/line_socket.hpp"
 #include "bridges/support/program.hpp"
 #include "embedded/slipd_grip_schema.hpp"
 #include "grip/controller.hpp"
-#include "grip/order_socket.hpp"
 #include "grip/release_notice.hpp"
 #include "grip/settings.hpp"
 
@@ -41,7 +41,7 @@ class Service final : public bridges::Service {
 
   Controller controller_;
   ReleaseNotice notice_;
-  OrderSocket orders_;
+  bridges::LineSocket orders_;
 };
 
 bool is_order(const char* word) {
@@ -56,7 +56,7 @@ int give_order(int argc, char** argv) {
   app.add_option("order", order, "open, close, or status")->required();
   app.add_option("--orders", path, "Its socket for orders")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  std::cout << ask(path, order) << "\n";
+  std::cout << bridges::ask(path, order) << "\n";
   return 0;
 }
 

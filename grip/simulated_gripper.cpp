@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridges/support/log.hpp"
+#include "bridges/support/unix_address.hpp"
 #include "grip/gripper.hpp"
-#include "grip/unix_address.hpp"
 
 namespace slipd::grip {
 namespace {
@@ -38,7 +38,7 @@ class SimulatedGripper final : public Gripper {
 
  private:
   void send(const std::string& input, std::string_view text) const {
-    const auto address = unix_address(input);
+    const auto address = bridges::unix_address(input);
     if (!address) throw GripperError("the path " + input + " is too long for a socket");
     if (::sendto(fd_, text.data(), text.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&*address),
                  sizeof *address) < 0)

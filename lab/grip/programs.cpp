@@ -21,8 +21,8 @@
 #include <utility>
 
 #include "bridges/support/clock.hpp"
-#include "grip/order_socket.hpp"
-#include "grip/unix_address.hpp"
+#include "bridges/support/line_socket.hpp"
+#include "bridges/support/unix_address.hpp"
 
 namespace lab::grip {
 namespace {
@@ -91,7 +91,7 @@ Bed::Bed(const BedOptions& options) : options_(options) {
   if (::mkdtemp(name.data()) == nullptr) fail(name + ": " + std::generic_category().message(errno));
   folder_ = name;
   write_settings();
-  const auto address = slipd::grip::unix_address((folder_ / "gripper.sock").string()).value();
+  const auto address = slipd::bridges::unix_address((folder_ / "gripper.sock").string()).value();
   listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(listener_, 4) != 0)
@@ -292,7 +292,7 @@ void Bed::order(const std::string& word) {
   const auto until = Clock::now() + kPatience;
   for (;;) {
     try {
-      slipd::grip::ask((folder_ / "orders.sock").string(), word);
+      slipd::bridges::ask((folder_ / "orders.sock").string(), word);
       return;
     } catch (const std::runtime_error&) {
       if (Clock::now() > until) fail("slipd-grip takes no orders: " + grip_log());

@@ -167,8 +167,9 @@ dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::st
 
 dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic,
                               std::string_view hash, const WriterOptions& options, Readers& readers) {
-  const dds_entity_t writer = make_writer(
-      type, "rt" + std::string(topic), options_.humble ? std::string_view() : hash, options, false, &readers);
+  const dds_entity_t writer =
+      make_writer(type, std::string(options.prefix) + std::string(topic),
+                  options_.humble ? std::string_view() : hash, options, false, &readers);
   writers_.push_back(writer);
   return writer;
 }
@@ -179,7 +180,8 @@ dds_entity_t Node::add_reader(const dds_topic_descriptor_t& type, std::string_vi
   const Qos qos = make_qos();
   dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                        kNoWaiting);
-  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_durability(qos.get(),
+                      options.transient ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
   const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &representation);

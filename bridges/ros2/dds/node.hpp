@@ -49,6 +49,8 @@ struct WriterOptions {
   int depth = 10;
   // Whether lost samples are sent again.
   bool reliable = true;
+  // What DDS has in front of the topic's name: rt, or rq of a service's requests.
+  std::string_view prefix = "rt";
   // Longest time between two samples that is offered; 0: none is. Readers that ask for this, for more, or for
   // none, match. Too short: readers hear of missed deadlines although nothing is wrong.
   std::chrono::nanoseconds deadline{0};
@@ -64,6 +66,8 @@ struct ReaderOptions {
   int depth = 10;
   // Whether lost samples are asked for again. Best-effort writers do not match then.
   bool reliable = false;
+  // Whether samples from before are asked for, too. Writers that do not keep any do not match then.
+  bool transient = false;
 };
 
 // Which readers a writer has. Cyclone's threads write it.

@@ -4,51 +4,20 @@
 // without its prefix `rt`, TYPE as ROS 2 names it on DDS. Prints `matched N` when a subscription has come or
 // gone, and ends with its input.
 #include <cstdio>
-#include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <iostream>
 #include <string>
-#include <vector>
+
+#include "../support/fastdds_any_type.hpp"
 
 using namespace eprosima::fastdds::dds;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 namespace {
-
-using Bytes = std::vector<unsigned char>;
-constexpr std::uint32_t kMostBytes = 1 << 20;
-
-// A type of which nothing is known but its name: samples are their bytes.
-class AnyType : public TopicDataType {
- public:
-  explicit AnyType(const std::string& name) {
-    setName(name.c_str());
-    m_typeSize = kMostBytes;
-    m_isGetKeyDefined = false;
-  }
-  bool serialize(void* data, SerializedPayload_t* payload) override {
-    const Bytes& bytes = *static_cast<Bytes*>(data);
-    if (bytes.size() > payload->max_size) return false;
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    payload->encapsulation = bytes.size() > 1 && bytes[1] == 0 ? CDR_BE : CDR_LE;
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    return true;
-  }
-  bool deserialize(SerializedPayload_t*, void*) override { return false; }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    const auto size = static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size());
-    return [size] { return size; };
-  }
-  void* createData() override { return new Bytes; }
-  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
-  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
-};
 
 class Teller : public DataWriterListener {
   void on_publication_matched(DataWriter* /*writer*/, const PublicationMatchedStatus& status) override {
@@ -56,13 +25,6 @@ class Teller : public DataWriterListener {
     std::fflush(stdout);
   }
 };
-
-Bytes bytes_of(const std::string& hex) {
-  Bytes bytes;
-  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
-    bytes.push_back(static_cast<unsigned char>(std::stoi(hex.substr(i, 2), nullptr, 16)));
-  return bytes;
-}
 
 }  // namespace
 

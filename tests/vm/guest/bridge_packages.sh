@@ -2,7 +2,7 @@
 # each serves what slipd says, goes on while slipd is away, is restarted after a crash and an upgrade, and is gone after a purge.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
-bridges=(feed feed-ros2 grip modbus mqtt ros2 web)
+bridges=(feed feed-ros2 grip grip-ros2 modbus mqtt ros2 web)
 units=("${bridges[@]/#/slipd-}")
 web() { python3 -c 'import sys, urllib.request as u; print(u.urlopen("http://127.0.0.1:8077" + sys.argv[1], timeout=5).read().decode())' "$1"; }
 registers() {  # FIRST COUNT: the words that a PLC reads
@@ -41,6 +41,8 @@ done
 same "slipd-grip moves nothing as installed" "$(grep -c '"dry_run": true' /etc/slipd/grip.json)" 1
 awaits "a member of the group asks slipd-grip" eval 'as alice slipd-grip status | grep -q state'
 refused "nobody else does" as mallory slipd-grip status
+awaits "and slipd-grip-ros2 has its door for slipd-grip" test -S /run/slipd-grip-ros2/gripper.sock
+same "which others than the group cannot use" "$(stat -c '%a %G' /run/slipd-grip-ros2/gripper.sock)" "660 slipd"
 awaits "the page is served" eval 'web / | grep -q "<title>"'
 awaits "a PLC reads a margin in state ok" eval 'read -r state frame gamma < <(registers 16 3) && [[ $state == 0 ]]'
 ((gamma <= 10000)) || fail "a margin in state ok is none: $gamma"

@@ -16,7 +16,6 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -24,40 +23,17 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "../../support/fastdds_any_type.hpp"
+
 using namespace eprosima::fastdds::dds;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 namespace {
-
-constexpr std::uint32_t kMostBytes = 1 << 20;
-
-// A type of which nothing is known but its name: samples are their bytes.
-class AnyType : public TopicDataType {
- public:
-  explicit AnyType(const std::string& name) {
-    setName(name.c_str());
-    m_typeSize = kMostBytes;
-    m_isGetKeyDefined = false;
-  }
-  bool serialize(void*, SerializedPayload_t*) override { return false; }
-  bool deserialize(SerializedPayload_t* payload, void* data) override {
-    static_cast<std::vector<unsigned char>*>(data)->assign(payload->data, payload->data + payload->length);
-    return true;
-  }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
-    return [] { return kMostBytes; };
-  }
-  void* createData() override { return new std::vector<unsigned char>; }
-  void deleteData(void* data) override { delete static_cast<std::vector<unsigned char>*>(data); }
-  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
-};
 
 std::mutex mutex;
 std::condition_variable changed;

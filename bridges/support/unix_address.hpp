@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace slipd::grip {
+namespace slipd::bridges {
 
 // None: the path is longer than 107 bytes, which no socket's may be (unix(7)).
 inline std::optional<sockaddr_un> unix_address(const std::string& path) {
@@ -18,4 +18,4 @@ inline std::optional<sockaddr_un> unix_address(const std::string& path) {
   return address;
 }
 
-}  // namespace slipd::grip
+}  // namespace slipd::bridges
