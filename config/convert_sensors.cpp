@@ -78,7 +78,10 @@ class SensorConverter {
       };
       s.full_scale = FullScale{pa(0), pa(1), pa(2)};
     }
-    if (in.contains("skin")) skin(in["skin"], at + "/skin", s);
+    if (in.contains("skin")) {
+      skin(in["skin"], at + "/skin", s);
+      pillars(in, at + "/skin/base", s.setup);
+    }
     if (in.contains("profile") && in.contains("layout"))
       add(at + "/layout", in["layout"], "the profile brings its own; expected only one of the two");
     stale_after(in, at, s);
@@ -155,7 +158,17 @@ class SensorConverter {
     setup.skin_modulus_pa = pascals_of_mpa(in["modulus_mpa"]);
     setup.skin_poisson = in["poisson"];
     depth(in["depth_mm"], at + "/depth_mm", s);
-    setup.skin_base = in["base"] == "rigid" ? SkinBase::rigid : SkinBase::half_space;
+    setup.skin_base = skin_base_of(in["base"].get<std::string>());
+  }
+
+  // With a profile the number of taxels is known when the device is opened.
+  void pillars(const json& in, const std::string& at, const SensorSetup& setup) {
+    const std::size_t taxels = setup.layout.size();
+    if (setup.skin_base != SkinBase::pillars || in.contains("profile") ||
+        (taxels >= kLeastPillars && taxels <= kMostPillars))
+      return;
+    add(at, in["skin"]["base"],
+        "needs 4 to 64 taxels, each a pillar; the layout has " + std::to_string(taxels));
   }
 
   static SkinKeys keys_of(const json& skin) {

@@ -23,6 +23,7 @@ struct AlertsOptions {
   std::vector<double> costs{slipd::AlertSettings{}.cost};
   std::size_t grasps = 1000;
   unsigned threads = 2;
+  bool each_pillar = false;
 };
 
 // Of each grasp, at each cost.
@@ -48,7 +49,8 @@ std::vector<AlertTrial> of_chain(const Trials& trials, std::size_t cost, bool kn
 void run_alerts(const offline::Common& common, const AlertsOptions& options) {
   std::vector<AlertLine> lines;
   for (const std::string& name : options.presets) {
-    const PresetBench bench = bench_of(slipd::sim::preset_of(name).value());
+    PresetBench bench = bench_of(slipd::sim::preset_of(name).value());
+    if (options.each_pillar) bench.skin.base = slipd::SkinBase::pillars;
     const auto holds = run_kind(bench, GraspKind::hold, options, common.seed);
     const auto slips = run_kind(bench, GraspKind::slip, options, common.seed);
     for (const bool known : {true, false})
@@ -82,6 +84,8 @@ void add_alerts(CLI::App& app, const offline::Common& common) {
                      "ideal, pillars, magnetic-skin");
   add_grasps_option(*command, options->grasps, "holds, and as many slips, of each preset");
   add_threads_option(*command, options->threads);
+  command->add_flag("--each-pillar", options->each_pillar,
+                    "read what each taxel carries, as with skin.base pillars");
   command
       ->add_option(
           "--costs", options->costs,

@@ -12,7 +12,6 @@
 #include "lab/histories/report.hpp"
 #include "lab/options.hpp"
 #include "tools/offline/progress.hpp"
-#include "tools/offline/skin_base_name.hpp"
 #include "tools/offline/sweep.hpp"
 
 namespace lab {
@@ -32,8 +31,8 @@ struct HistoriesOptions {
   offline::Shard shard;  // of sides and methods
 };
 
-const std::map<std::string, SkinBase> kBases{{offline::name_of(SkinBase::half_space), SkinBase::half_space},
-                                             {offline::name_of(SkinBase::rigid), SkinBase::rigid}};
+const std::map<std::string, SkinBase> kBases{{slipd::to_string(SkinBase::half_space), SkinBase::half_space},
+                                             {slipd::to_string(SkinBase::rigid), SkinBase::rigid}};
 
 void run(const offline::Common& common, const CLI::App& command, const HistoriesOptions& options) {
   offline::refuse_files(options.shard, common);

@@ -21,8 +21,9 @@
 namespace slipd {
 namespace {
 
+// Nothing is known of how pressure is spread over the taxels.
 bool is_flat(const ChainSetup& setup) {
-  return std::isinf(setup.scene.skin.radius_m);
+  return std::isinf(setup.scene.skin.radius_m) || kind_of(setup) == SensorKind::pillars;
 }
 
 bool has_skin(const ChainSetup& setup) {
@@ -78,12 +79,13 @@ std::unique_ptr<MarginSource> make_margin_source(const ChainSetup& setup, double
   // fit`.
   constexpr double kSkinFrictionSigma = 0.1;
   MarginOverTimeOptions options;
+  const FrictionKnowledge friction{.expected = expected_friction(setup.scene), .given = setup.friction};
+  if (kind_of(setup) == SensorKind::pillars)
+    return make_margin_of_pillars(setup.estimator.sigma_max, setup.layout, friction, options);
   const bool history = needs_history(kind_of(setup));
   if (has_skin(setup) && !history) options.least_friction_sigma = kSkinFrictionSigma;
   options.least_friction_sigma = std::max(options.least_friction_sigma, common_sigma);
-  return make_margin_over_time(setup.estimator.sigma_max,
-                               {.expected = expected_friction(setup.scene), .given = setup.friction}, history,
-                               options);
+  return make_margin_over_time(setup.estimator.sigma_max, friction, history, options);
 }
 
 // For `auto`, pressure maps beside the method, for frames that its contact model does not fit; `method` alone

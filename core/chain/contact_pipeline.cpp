@@ -17,6 +17,8 @@ std::unique_ptr<ContactPipeline> make_pipeline(const ChainSetup& setup,
       return std::make_unique<PressureOnlyPipeline>(setup.layout.size() > 1);
     case SensorKind::one_force:
       return std::make_unique<OneForcePipeline>(setup);
+    case SensorKind::pillars:
+      return std::make_unique<PillarPipeline>(setup);
     case SensorKind::flat_pad:
       if (SharingFlatPadPipeline::serves(setup)) return std::make_unique<SharingFlatPadPipeline>(setup);
       return std::make_unique<FlatPadPipeline>(setup);

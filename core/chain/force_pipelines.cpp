@@ -28,9 +28,8 @@ void PressureOnlyPipeline::estimate(const Frame& /*frame*/, const ContactPatch& 
   if (has_taxels_) publish_place(patch, out);
 }
 
-void OneForcePipeline::estimate(const Frame& /*frame*/, const ContactPatch& patch,
-                                const SlidingVerdict& previous, MarginDecision& decision,
-                                Estimate& out) noexcept {
+void ForcePipeline::estimate_by_sums(const ContactPatch& patch, const SlidingVerdict& previous,
+                                     MarginDecision& decision, Estimate& out) noexcept {
   publish_forces(patch, out);
   const EquivalentPullResult pull = pull_of(patch);
   out.pull_n = pull.pull_n;
@@ -42,6 +41,20 @@ void OneForcePipeline::estimate(const Frame& /*frame*/, const ContactPatch& patc
                      .previous_sliding = previous},
                     decision, out);
   conclude(measured_load(patch, pulled), 0, pull, decision, out);
+}
+
+void OneForcePipeline::estimate(const Frame& /*frame*/, const ContactPatch& patch,
+                                const SlidingVerdict& previous, MarginDecision& decision,
+                                Estimate& out) noexcept {
+  estimate_by_sums(patch, previous, decision, out);
+}
+
+void PillarPipeline::estimate(const Frame& /*frame*/, const ContactPatch& patch,
+                              const SlidingVerdict& previous, MarginDecision& decision,
+                              Estimate& out) noexcept {
+  publish_place(patch, out);
+  publish_torque(patch, out);
+  estimate_by_sums(patch, previous, decision, out);
 }
 
 FlatPadPipeline::FlatPadPipeline(const ChainSetup& setup)

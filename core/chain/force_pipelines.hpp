@@ -31,12 +31,23 @@ class ForcePipeline : public ShearPipeline {
 
  protected:
   explicit ForcePipeline(const ChainSetup& setup) : ShearPipeline(setup, 0) {}
+  // Force and torque as they are summed over the contact, as one pull.
+  void estimate_by_sums(const ContactPatch& patch, const SlidingVerdict& previous, MarginDecision& decision,
+                        Estimate& out) noexcept;
 };
 
 // One force vector, with or without its torque.
 class OneForcePipeline final : public ForcePipeline {
  public:
   explicit OneForcePipeline(const ChainSetup& setup) : ForcePipeline(setup) {}
+  void estimate(const Frame& frame, const ContactPatch& patch, const SlidingVerdict& previous,
+                MarginDecision& decision, Estimate& out) noexcept override;
+};
+
+// Tips of pillars: each carries its own force, and friction shows in what it carries.
+class PillarPipeline final : public ForcePipeline {
+ public:
+  explicit PillarPipeline(const ChainSetup& setup) : ForcePipeline(setup) {}
   void estimate(const Frame& frame, const ContactPatch& patch, const SlidingVerdict& previous,
                 MarginDecision& decision, Estimate& out) noexcept override;
 };

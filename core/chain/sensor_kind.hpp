@@ -11,6 +11,7 @@ namespace slipd {
 enum class SensorKind : std::uint8_t {
   pressure_only,  // measures no shear: contact and faults, never a margin
   one_force,      // one force vector, with or without its torque: friction over time gives the margin
+  pillars,        // tips of pillars, each on its own: what each carries shows friction
   flat_pad,       // several taxels on a flat skin: sums over them, as one force; sliding by their pattern
   few_taxels,     // a curved skin of at most kFewTaxels taxels: fit reads all of them, and friction over time
   array,          // a curved skin of more taxels: a frame shows its margin by itself

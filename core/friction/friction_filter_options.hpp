@@ -49,6 +49,8 @@ struct FrictionFilterOptions {
   // What frames have in common of the error of a margin profile, of its noise; standard deviations, 0.01 … 1.
   // Too small: sigma is less than the error. Too large: learns slowly.
   double profile_common_share = 0.1;
+  // The same of the pillars of a pad, each of which stands a little otherwise than the model; 0.05 … 1.
+  double pillars_common_share = 0.2;
   // The least 1 - Gamma that friction is read from; 1e-6 … 0.1: keeps quotients finite without load.
   double min_utilisation = 1e-3;
 

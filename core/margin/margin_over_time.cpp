@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/friction/by_forces.hpp"
+#include "core/friction/by_pillars.hpp"
 #include "core/friction/by_shape.hpp"
 
 namespace slipd {
@@ -44,6 +45,13 @@ std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
                                          const MarginOverTimeOptions& options) {
   return std::make_unique<FrictionByShape>(
       prior_of(friction, options.prior),
+      bounded(options.filter, shaped_bounds(friction), options.shaped_slack));
+}
+
+std::unique_ptr<FrictionFilter> by_pillars(const TaxelLayout& layout, const FrictionKnowledge& friction,
+                                           const MarginOverTimeOptions& options) {
+  return std::make_unique<FrictionByPillars>(
+      layout, prior_of(friction, options.prior),
       bounded(options.filter, shaped_bounds(friction), options.shaped_slack));
 }
 
@@ -219,6 +227,17 @@ MeanSigma LearntByForces::within_bounds(const Now& now, const MeanSigma& margin)
   return {std::max(least, low.mean), sigma};
 }
 
+LearntByPillars::LearntByPillars(double sigma_max, const TaxelLayout& layout,
+                                 const FrictionKnowledge& friction, const MarginOverTimeOptions& options)
+    : LearntFrictionMargin(sigma_max, friction, shaped_bounds(friction),
+                           by_pillars(layout, friction, options), options) {}
+
+void LearntByPillars::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
+  if (const auto now = learn(frame, decision, out))
+    propose(has_settled(*now) ? now->margin : minus_one_sigma(*now, now->margin), frame, decision, out);
+  widen_by_unobserved(frame, decision, out);
+}
+
 LearntByShape::LearntByShape(double sigma_max, const FrictionKnowledge& friction,
                              const MarginOverTimeOptions& options)
     : LearntFrictionMargin(sigma_max, friction, shaped_bounds(friction), by_shape(friction, options),
@@ -325,6 +344,14 @@ std::unique_ptr<MarginSource> make_margin_over_time(double sigma_max, const Fric
   if (given) return std::make_unique<GivenByShape>(sigma_max, friction, options);
   if (needs_history) return std::make_unique<LearntByForces>(sigma_max, friction, options);
   return std::make_unique<LearntByShape>(sigma_max, friction, options);
+}
+
+std::unique_ptr<MarginSource> make_margin_of_pillars(double sigma_max, const TaxelLayout& layout,
+                                                     const FrictionKnowledge& friction,
+                                                     const MarginOverTimeOptions& options) {
+  if (friction.given && friction.given->is_value())
+    return std::make_unique<GivenByForces>(sigma_max, friction, options);
+  return std::make_unique<LearntByPillars>(sigma_max, layout, friction, options);
 }
 
 }  // namespace slipd

@@ -9,6 +9,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/settings.hpp"
+#include "core/frame/layout.hpp"
 #include "core/friction/friction_filter.hpp"
 #include "core/load/unobserved_load_change.hpp"
 #include "core/margin/margin_source.hpp"
@@ -163,6 +164,16 @@ class LearntByForces final : public LearntFrictionMargin {
   MeanSigma within_bounds(const Now& now, const MeanSigma& margin) const noexcept;
 };
 
+// Pads whose taxels are tips of pillars: what each carries shows friction.
+class LearntByPillars final : public LearntFrictionMargin {
+ public:
+  // Throws std::invalid_argument as PillarBeds does.
+  LearntByPillars(double sigma_max, const TaxelLayout& layout, const FrictionKnowledge& friction,
+                  const MarginOverTimeOptions& options = {});
+  std::string_view name() const noexcept override { return "friction_by_pillars"; }
+  void estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept override;
+};
+
 // Sensors whose frames show margin and friction by themselves.
 class LearntByShape final : public LearntFrictionMargin {
  public:
@@ -209,5 +220,10 @@ class GivenByShape final : public GivenFrictionMargin {
 std::unique_ptr<MarginSource> make_margin_over_time(double sigma_max, const FrictionKnowledge& friction,
                                                     bool needs_history,
                                                     const MarginOverTimeOptions& options = {});
+
+// The source for a pad of pillars. Throws std::invalid_argument as PillarBeds does.
+std::unique_ptr<MarginSource> make_margin_of_pillars(double sigma_max, const TaxelLayout& layout,
+                                                     const FrictionKnowledge& friction,
+                                                     const MarginOverTimeOptions& options = {});
 
 }  // namespace slipd

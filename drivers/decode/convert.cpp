@@ -77,8 +77,7 @@ SkinInfo skin_of(const json& in) {
   const json& radius = in["radius_mm"];
   return {radius.is_string() ? std::numeric_limits<double>::infinity() : radius.get<double>() * kMetresPerMm,
           in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>(),
-          in["depth_mm"].get<double>() * kMetresPerMm,
-          in["base"] == "rigid" ? SkinBase::rigid : SkinBase::half_space};
+          in["depth_mm"].get<double>() * kMetresPerMm, skin_base_of(in["base"].get<std::string>())};
 }
 
 // The channel and sign of a device's axis; nothing for an axis that the profile's `axes` does not name.

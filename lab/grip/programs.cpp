@@ -50,7 +50,8 @@ json sensor(const char* name, const BedOptions& o) {
           {"skin",
            {{"radius_mm", o.dome_radius_m > 0 ? json(o.dome_radius_m * 1000) : json("flat")},
             {"modulus_mpa", 1},
-            {"poisson", 0.45}}},
+            {"poisson", 0.45},
+            {"base", "pillars"}}},
           {"options", {{"unit", "N"}, {"zeroed", true}, {"max_age_ms", kMostAgeMs}}},
           {"stale_after_ms", 10000}};
 }

@@ -7,7 +7,6 @@
 
 #include "lab/options.hpp"
 #include "tools/offline/gnuplot.hpp"
-#include "tools/offline/skin_base_name.hpp"
 
 namespace lab {
 namespace {
@@ -97,8 +96,8 @@ offline::SweepResult to_sweep(const std::vector<HistoriesLine>& lines, const His
                               {"depth_taken", setup.depth_taken},
                               {"axes", setup.sensing.stretch},
                               {"power", setup.sensing.power},
-                              {"base", offline::name_of(setup.base)},
-                              {"base_taken", offline::name_of(setup.base_taken)},
+                              {"base", slipd::to_string(setup.base)},
+                              {"base_taken", slipd::to_string(setup.base_taken)},
                               {"frame_ms", 1e3 * setup.sensing.frame_s}},
                              {}};
   for (const auto& line : lines) {

@@ -14,7 +14,6 @@
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/pressure_maps/pressure_maps.hpp"
 #include "lab/tradeoff/shape_bound.hpp"
-#include "tools/offline/skin_base_name.hpp"
 
 namespace lab {
 namespace {
@@ -181,7 +180,7 @@ void print_shapes(const std::vector<ShapeLine>& lines, std::size_t contacts) {
         "%9s %7s %9.2g %5.2g %4g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  "
         "%4.1f %%  %7.1f  %7.1f\n",
         line.method.c_str(), line.layout.c_str(), line.depth_mm, line.axes, line.power, line.depth_taken,
-        offline::name_of(line.base), offline::name_of(line.base_taken), line.guide, row.mean_error,
+        slipd::to_string(line.base), slipd::to_string(line.base_taken), line.guide, row.mean_error,
         row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
         100 * row.claims_safer, row.p50_us, row.p99_us);
   }
@@ -197,8 +196,8 @@ offline::SweepResult shapes_to_sweep(const std::vector<ShapeLine>& lines, std::s
                               {"axes", line.axes},
                               {"power", line.power},
                               {"depth_taken", line.depth_taken},
-                              {"base", offline::name_of(line.base)},
-                              {"base_taken", offline::name_of(line.base_taken)},
+                              {"base", slipd::to_string(line.base)},
+                              {"base_taken", slipd::to_string(line.base_taken)},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},
                               {"p95_error", row.p95_error},

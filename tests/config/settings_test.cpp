@@ -143,6 +143,17 @@ TEST(Settings, CarryTheBaseOfASkinWhichIsAHalfSpaceUnlessTold) {
   EXPECT_ANY_THROW(parse(document));
 }
 
+TEST(Settings, TakePadsOfFourToSixtyFourPillars) {
+  json document = whole_document();
+  json& sensor = document["sensors"][0];
+  sensor.erase("gain");
+  sensor["skin"]["base"] = "pillars";
+  EXPECT_THAT(problems_of(document),
+              ElementsAre(HasSubstr("needs 4 to 64 taxels, each a pillar; the layout has 200")));
+  sensor["layout"] = {{"grid", {5, 5}}, {"pitch_mm", 2}};
+  EXPECT_EQ(parse(document).sensors.at(0).setup.skin_base, SkinBase::pillars);
+}
+
 TEST(Settings, CarryEveryKeyInSIUnits) {
   const Settings s = parse(whole_document());
   const SensorSettings& left = s.sensors.at(0);

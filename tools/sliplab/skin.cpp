@@ -11,7 +11,6 @@
 
 #include "config/settings.hpp"
 #include "paper/validation/tradeoff.hpp"
-#include "tools/offline/skin_base_name.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/frames.hpp"
 #include "tools/sliplab/skin/depth.hpp"
@@ -74,6 +73,8 @@ SkinReport measure(const Settings& settings, const std::string& sensor,
     setup = source.setup();
     if (setup->sensor_class != SensorClass::array3)
       throw offline::WrongUse("sensor " + sensor + " has no taxels with pressure and shear");
+    if (setup->scene.skin.base == SkinBase::pillars)
+      throw offline::WrongUse("sensor " + sensor + " has pillars (skin.base), which have no skin over them");
     const auto own =
         press_frames(setup->layout, read_all(source), std::max<std::size_t>(1, most / files.size()));
     presses.insert(presses.end(), own.begin(), own.end());
@@ -131,7 +132,7 @@ void print(const SkinReport& report) {
         "too.\n");
   if (report.with_other_base)
     std::printf("  but with skin.base \"%s\" and depth_mm %.3g the presses are much more likely\n",
-                offline::name_of(other_than(report.base)), kMm * report.with_other_base->depth_m);
+                slipd::to_string(other_than(report.base)), kMm * report.with_other_base->depth_m);
 }
 
 nlohmann::ordered_json skin_json(const SkinReport& report) {

@@ -29,6 +29,11 @@ ChainSetup flat(ChainSetup setup) {
   return setup;
 }
 
+ChainSetup of_pillars(ChainSetup setup) {
+  setup.scene.skin.base = SkinBase::pillars;
+  return setup;
+}
+
 ChainSetup under_skin(ChainSetup setup) {
   setup.scene.skin.depth_m = 1e-3;
   return setup;
@@ -51,6 +56,10 @@ TEST(SensorKind, FollowsFromClassTaxelsAndSkin) {
   EXPECT_EQ(kind_of(flat(setup_of(1))), SensorKind::one_force);
   EXPECT_EQ(kind_of(flat(setup_of(4))), SensorKind::flat_pad);
   EXPECT_EQ(kind_of(flat(setup_of(16))), SensorKind::flat_pad);
+  EXPECT_EQ(kind_of(of_pillars(setup_of(4))), SensorKind::pillars);
+  EXPECT_EQ(kind_of(of_pillars(flat(setup_of(4)))), SensorKind::pillars)
+      << "a curved pad of them or a flat one";
+  EXPECT_EQ(kind_of(of_pillars(setup_of(1))), SensorKind::one_force);
   EXPECT_EQ(kind_of(setup_of(4)), SensorKind::few_taxels);
   EXPECT_EQ(kind_of(setup_of(16)), SensorKind::array);
 }
@@ -72,6 +81,9 @@ TEST(Chains, ConstructTheStagesOfTheirKindAndNoOthers) {
   EXPECT_THAT(stages_of(flat(setup_of(4))),
               ElementsAre("contact_patch", "health", "contact_gate", "equivalent_pull", "pad_load_sharing",
                           "friction_by_forces", "taxel_pattern"));
+  EXPECT_THAT(stages_of(of_pillars(setup_of(4))),
+              ElementsAre("contact_patch", "health", "contact_gate", "equivalent_pull", "friction_by_pillars",
+                          "taxel_pattern"));
   EXPECT_THAT(stages_of(flat(setup_of(16))),
               ElementsAre("contact_patch", "health", "contact_gate", "equivalent_pull", "friction_by_forces",
                           "taxel_pattern"))

@@ -1,0 +1,62 @@
+#include "core/friction/by_pillars.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slipd {
+
+FrictionByPillars::FrictionByPillars(const TaxelLayout& layout, const FrictionPrior& prior,
+                                     const FrictionFilterOptions& options)
+    : FrictionFilter(prior, options.foundations, options), beds_(layout, grid().frictions()) {}
+
+void FrictionByPillars::reset() noexcept {
+  reset_evidence();
+  beds_.clear();
+  last_ns_ = 0;
+}
+
+// What each pillar carries is sensed, so that only which of them slip is not known.
+void FrictionByPillars::lose_sight() noexcept {
+  reset();
+  beds_.lose_history();
+}
+
+void FrictionByPillars::lose_history(HistoryEvent /*why*/) noexcept {
+  posterior_.reset();
+  beds_.lose_history();
+}
+
+void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
+  const ContactPatch& patch = frame.patch;
+  traction_ratio_now_ = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  begin_frame(frame);
+  posterior_.bound_below({traction_ratio_now_.mean,
+                          std::max(traction_ratio_now_.sigma,
+                                   options_.traction_ratio.held_floor_frame * traction_ratio_now_.mean)});
+  beds_.follow(patch, last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * 1e-9) : 0);
+  last_ns_ = frame.time_ns;
+  weigh_frame();
+  posterior_.conclude();
+}
+
+// The signed root of a misfit above the least one is a residual in units of its noise.
+void FrictionByPillars::weigh_frame() noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  for (std::size_t j = 0; j < grid().count(); ++j) {
+    if (!(beds_.misfit(j) < least)) continue;
+    least = beds_.misfit(j);
+    best = j;
+  }
+  constexpr double kComponents = 2;
+  if (!explain(least / (kComponents * static_cast<double>(std::max<std::size_t>(beds_.touching(), 1))), true))
+    return;
+  PerFriction residuals;  // the first grid().count() of them
+  for (std::size_t j = 0; j < grid().count(); ++j)
+    residuals[j] =
+        std::copysign(std::sqrt(beds_.misfit(j) - least), grid().friction(j) - grid().friction(best));
+  posterior_.weigh(Evidence::margin, residuals, options_.pillars_common_share, 1);
+}
+
+}  // namespace slipd
