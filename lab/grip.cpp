@@ -45,11 +45,11 @@ double creep_of(const WorldOptions& options) {
 void print(const TrialResult& trial, const TrialResult& deaf) {
   std::printf(
       "%s\n    moved %.2f mm, mean force %.2f N, most %.1f N, with a margin %.0f %%; deaf moved %.2f mm; "
-      "true, slipd's, low:",
+      "true, until it turns, slipd's, low:",
       describe(trial.task).c_str(), 1e3 * trial.moved_m, trial.mean_force_n, trial.most_force_n,
       100 * trial.known_share, 1e3 * deaf.moved_m);
   for (const Probe& probe : trial.probes)
-    std::printf(" %.2f %.2f %.2f;", probe.truth, probe.gamma.value_or(std::nan("")),
+    std::printf(" %.2f %.2f %.2f %.2f;", probe.truth, probe.turning_truth, probe.gamma.value_or(std::nan("")),
                 probe.gamma_low.value_or(std::nan("")));
   std::printf("\n");
 }

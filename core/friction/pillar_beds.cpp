@@ -12,8 +12,8 @@ namespace {
 constexpr int kMostSteps = 8;
 // What a pillar that slips still counts for in the slope, so that there is one when all slip.
 constexpr double kSlipping = 0.03;
-// A shift has settled within this share of P.
-constexpr double kSettled = 1e-4;
+// A shift has settled within this share of P, below what noise makes of it.
+constexpr double kSettled = 1e-3;
 
 double square(double x) noexcept {
   return x * x;
@@ -119,6 +119,7 @@ PillarBeds::Vector PillarBeds::moved(std::size_t j, std::size_t i, const Shift& 
 // Shifts and turns all pillars of bed j, each as far as its friction lets it, until together they carry what
 // is sensed.
 void PillarBeds::settle(std::size_t j) noexcept {
+  if (carried_n_ >= friction_[j] * sensed_n_) return slide(j);
   const double settled_n = kSettled * sensed_n_;
   const double most_n = touching_ > 0 ? friction_[j] * sensed_n_ / static_cast<double>(touching_) : 0;
   Shift shift{};
@@ -141,6 +142,15 @@ void PillarBeds::settle(std::size_t j) noexcept {
   }
   for (std::size_t i = 0; i < taxels_; ++i)
     loads_[j][i] = touches_[i] ? held(moved(j, i, shift), friction_[j] * pressed_[i]) : Vector{};
+}
+
+// More than friction holds is sensed: all pillars slip along the pull.
+void PillarBeds::slide(std::size_t j) noexcept {
+  const double per_n = carried_n_ > 0 ? friction_[j] / carried_n_ : 0;
+  for (std::size_t i = 0; i < taxels_; ++i) {
+    const double part = touches_[i] ? per_n * pressed_[i] : 0;
+    loads_[j][i] = {part * goal_[0], part * goal_[1]};
+  }
 }
 
 void PillarBeds::draw_to_sensed(std::size_t j, double share) noexcept {

@@ -73,6 +73,7 @@ class PillarBeds {
 
   void sense(const ContactPatch& patch) noexcept;
   void settle(std::size_t j) noexcept;
+  void slide(std::size_t j) noexcept;
   void draw_to_sensed(std::size_t j, double share) noexcept;
   double misfit_of(std::size_t j) const noexcept;
   static Vector held(const Vector& load, double limit) noexcept;

@@ -37,8 +37,8 @@ GripSummary summarise(const std::vector<TrialResult>& listening, const std::vect
                   .deaf_dropped = count(deaf, is_dropped),
                   .deaf_moved = count(deaf, is_moved)};
   std::vector<double> forces, known_forces;
-  double error = 0;
-  std::size_t too_safe = 0, low_above = 0, lows = 0;
+  double error = 0, turning_error = 0;
+  std::size_t too_safe = 0, turning_too_safe = 0, low_above = 0, lows = 0;
   for (const TrialResult& trial : listening) {
     sum.known_share += trial.known_share / static_cast<double>(listening.size());
     for (const Probe& probe : trial.probes) {
@@ -54,12 +54,16 @@ GripSummary summarise(const std::vector<TrialResult>& listening, const std::vect
       known_forces.push_back(over_least);
       error += std::abs(*probe.gamma - probe.truth);
       too_safe += *probe.gamma > probe.truth + kTooSafe ? 1 : 0;
+      turning_error += std::abs(*probe.gamma - probe.turning_truth);
+      turning_too_safe += *probe.gamma > probe.turning_truth + kTooSafe ? 1 : 0;
     }
   }
   sum.force_over_least = median(forces);
   sum.force_over_least_known = median(known_forces);
   sum.margin_error = error / static_cast<double>(sum.known_probes);
   sum.too_safe_share = share(too_safe, sum.known_probes);
+  sum.turning_error = turning_error / static_cast<double>(sum.known_probes);
+  sum.turning_too_safe_share = share(turning_too_safe, sum.known_probes);
   sum.low_above_truth_share = share(low_above, lows);
   return sum;
 }
@@ -77,6 +81,8 @@ void print_table(const GripSummary& s, double creep_mm_per_min) {
       "margin) | "
       "%.3f, %.1f %% |\n",
       s.known_probes, s.probes, s.margin_error, 100 * s.too_safe_share);
+  std::printf("| the same, of the margin until the object slides or turns | %.3f, %.1f %% |\n",
+              s.turning_error, 100 * s.turning_too_safe_share);
   std::printf("| gamma_low above the true margin | %.1f %% |\n", 100 * s.low_above_truth_share);
   std::printf("| MuJoCo's creep, at a margin of 0.5 | %.3f mm a minute |\n", creep_mm_per_min);
 }
@@ -92,6 +98,8 @@ nlohmann::json to_json(const GripSummary& s, double creep_mm_per_min) {
           {"known_share", s.known_share},
           {"margin_error", s.margin_error},
           {"too_safe_share", s.too_safe_share},
+          {"turning_error", s.turning_error},
+          {"turning_too_safe_share", s.turning_too_safe_share},
           {"low_above_truth_share", s.low_above_truth_share},
           {"probes", s.probes},
           {"known_probes", s.known_probes},

@@ -18,6 +18,8 @@ struct GripSummary {
   // slipd's margin less the true one: mean of the absolute error, and the share of probes where slipd's is
   // safer by 0.2; of gamma_low the share above the truth.
   double margin_error = 0, too_safe_share = 0, low_above_truth_share = 0;
+  // The same against the margin until the object slides or turns.
+  double turning_error = 0, turning_too_safe_share = 0;
   std::size_t probes = 0, known_probes = 0;
   // Of the frames of all holds.
   double known_share = 0;

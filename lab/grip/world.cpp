@@ -14,6 +14,8 @@ namespace {
 // How far the fingers are from the object at the beginning, m.
 constexpr double kGap = 0.002;
 constexpr double kTipRadius = 0.0008;
+// Shares of the normal force that slide: all of it, and all but a pivot, about the hardest pressed pillar.
+constexpr double kAll = 0.995, kAllButAPivot = 0.85;
 
 void write_pad(std::ostream& out, Side side, const WorldOptions& o) {
   const bool left = side == Side::left;
@@ -147,10 +149,10 @@ struct World::State {
     }
     return sums;
   }
-  bool slides(const mjData* d) const {
-    constexpr double kAll = 0.995;  // of the normal force
+  // share: of the normal force that has to slide.
+  bool slides(const mjData* d, double share = kAll) const {
     const Sums s = sums(d);
-    return s.sliding[0] >= kAll * s.all[0] && s.sliding[1] >= kAll * s.all[1];
+    return s.sliding[0] >= share * s.all[0] && s.sliding[1] >= share * s.all[1];
   }
 };
 
@@ -232,7 +234,7 @@ World::Moment World::moment() const {
   return Moment(*state_);
 }
 
-double World::true_margin(const Moment& moment) const {
+double World::true_margin(const Moment& moment, bool until_turning) const {
   // The load grows by e in this time, s: slowly against the pads' swinging.
   constexpr double kGrowth = 0.3;
   constexpr double kMostFactor = 50, kNoLoadN = 1e-6;
@@ -240,13 +242,14 @@ double World::true_margin(const Moment& moment) const {
   const mjtNum* const load = d->xfrc_applied + 6 * state_->object;
   const std::array<double, 3> load_n{load[0], load[1], load[2]};
   if (std::hypot(load_n[0], load_n[1], load_n[2]) < kNoLoadN) return 1;
-  if (state_->slides(d)) return 0;
+  const double share = until_turning ? kAllButAPivot : kAll;
+  if (state_->slides(d, share)) return 0;
   const double begun_s = d->time, grip_n = d->ctrl[0];
   double factor = 1;
   while (factor < kMostFactor) {
     state_->step(d, grip_n, {factor * load_n[0], factor * load_n[1], factor * load_n[2]},
                  moment.copy_->friction);
-    if (state_->slides(d)) return 1 - 1 / factor;
+    if (state_->slides(d, share)) return 1 - 1 / factor;
     factor = std::exp((d->time - begun_s) / kGrowth);
   }
   return 1;

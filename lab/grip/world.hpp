@@ -69,8 +69,10 @@ class World {
   Moment moment() const;
 
   // The true margin at that moment: 1 - 1/s, with s the factor on its load at which the object slides, the
-  // fingers' force and friction staying. 0: slides already; 1: no load.
-  double true_margin(const Moment& moment) const;
+  // fingers' force and friction staying. 0: slides already; 1: no load. `until_turning`: a load beside the
+  // grip turns the object about a point within the pads, where pillars stick to the end; then it counts as
+  // sliding when only such a pivot sticks. Without, not until that slides, too.
+  double true_margin(const Moment& moment, bool until_turning = false) const;
 
  private:
   std::unique_ptr<State> state_;

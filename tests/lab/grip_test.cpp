@@ -43,7 +43,9 @@ TEST(GripWorld, HasTheTrueMarginOfTheSums) {
   for (const double force_n : {3.0, 5.0}) {
     const World world = holding(force_n, 0.8);
     // The load grows by 1 % within the time in which the pads follow it.
-    EXPECT_NEAR(world.true_margin(world.moment()), 1 - kWeightN / (2 * kFriction * force_n), 0.03);
+    const double margin = 1 - kWeightN / (2 * kFriction * force_n);
+    EXPECT_NEAR(world.true_margin(world.moment()), margin, 0.03);
+    EXPECT_NEAR(world.true_margin(world.moment(), true), margin, 0.05) << "a load in line turns nothing";
   }
 }
 
@@ -62,13 +64,16 @@ TEST(GripTasks, AreTheSameForTheSameNumberAndWithinTheirRanges) {
 TEST(GripSummary, CountsAMarginThatClaimsTooMuch) {
   TrialResult trial;
   trial.moved_m = 0.006;
-  trial.probes = {{.time_s = 0, .truth = 0.5, .gamma = 0.75, .gamma_low = 0.4, .force_n = 1},
-                  {.time_s = 1, .truth = 0.5, .gamma = 0.45, .gamma_low = 0.6, .force_n = 1},
-                  {.time_s = 2, .truth = 0, .gamma = {}, .gamma_low = {}, .force_n = 1}};
+  trial.probes = {
+      {.time_s = 0, .truth = 0.5, .turning_truth = 0.4, .gamma = 0.75, .gamma_low = 0.4, .force_n = 1},
+      {.time_s = 1, .truth = 0.5, .turning_truth = 0.4, .gamma = 0.45, .gamma_low = 0.6, .force_n = 1},
+      {.time_s = 2, .truth = 0, .turning_truth = 0, .gamma = {}, .gamma_low = {}, .force_n = 1}};
   const GripSummary sum = summarise({trial}, {});
   EXPECT_EQ(sum.moved, 1U);
   EXPECT_NEAR(sum.margin_error, 0.15, 1e-12);
   EXPECT_EQ(sum.too_safe_share, 0.5);
+  EXPECT_NEAR(sum.turning_error, 0.2, 1e-12);
+  EXPECT_EQ(sum.turning_too_safe_share, 0.5);
   EXPECT_EQ(sum.low_above_truth_share, 0.5);
   EXPECT_EQ(sum.force_over_least, 2);
 }
