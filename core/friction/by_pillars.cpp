@@ -13,7 +13,6 @@ FrictionByPillars::FrictionByPillars(const TaxelLayout& layout, const FrictionPr
 void FrictionByPillars::reset() noexcept {
   reset_evidence();
   beds_.clear();
-  last_ns_ = 0;
 }
 
 // What each pillar carries is sensed, so that only which of them slip is not known.
@@ -30,12 +29,11 @@ void FrictionByPillars::lose_history(HistoryEvent /*why*/) noexcept {
 void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   traction_ratio_now_ = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
-  begin_frame(frame);
+  const double seconds = begin_frame(frame);
   posterior_.bound_below({traction_ratio_now_.mean,
                           std::max(traction_ratio_now_.sigma,
                                    options_.traction_ratio.held_floor_frame * traction_ratio_now_.mean)});
-  beds_.follow(patch, last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * 1e-9) : 0);
-  last_ns_ = frame.time_ns;
+  beds_.follow(patch, seconds);
   weigh_frame();
   posterior_.conclude();
 }

@@ -25,7 +25,6 @@ class FrictionByPillars final : public FrictionFilter {
   void weigh_frame() noexcept;
 
   PillarBeds beds_;
-  std::int64_t last_ns_ = 0;  // of the frame before; 0 before the first
 };
 
 }  // namespace slipd

@@ -33,7 +33,7 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   posterior_.reset();
 }
 
-void FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
+double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   const double seconds =
       last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
@@ -47,6 +47,7 @@ void FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   last_ns_ = frame.time_ns;
   normal_n_ = patch.normal_n;
   shear_n_ = patch.shear_n;
+  return seconds;
 }
 
 // A load that falls between two frames was let go, or friction has fallen to it: forces alone do not tell.

@@ -74,8 +74,9 @@ class FrictionFilter {
   FrictionFilter(const FrictionPrior& prior, std::size_t points, const FrictionFilterOptions& options);
 
   void reset_evidence() noexcept;
-  // The first call for each frame: time goes on, and errors are others where the forces have moved far.
-  void begin_frame(const FrictionFrame& frame) noexcept;
+  // The first call for each frame: time goes on, and errors are others where the forces have moved far. Since
+  // the frame before, s; 0 for the first.
+  double begin_frame(const FrictionFrame& frame) noexcept;
   void watch_drop(const ContactPatch& patch) noexcept;
   // Of a frame that friction is read from. residuals: see FrictionPosterior::weigh.
   void weigh_margin(std::span<const double> residuals, const Reading& reading, double offset_sigma,

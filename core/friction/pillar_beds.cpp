@@ -7,8 +7,7 @@
 namespace slipd {
 namespace {
 
-// Newton's steps for a shift; its start is the frame before, so that few are needed. Goals that friction
-// cannot hold have none that settles.
+// Newton's steps for a shift; its start is the frame before, so that few are needed.
 constexpr int kMostSteps = 8;
 // What a pillar that slips still counts for in the slope, so that there is one when all slip.
 constexpr double kSlipping = 0.03;
