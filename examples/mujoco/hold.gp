@@ -22,7 +22,7 @@ plot lines.listening using 1:7 with linespoints pt 7 ps 0.3 lw 2 lc 'dark-green'
 unset label
 set key off
 set ylabel 'force of a finger, N'
-set yrange [0:8]
+set yrange [0:10]
 plot lines.listening using 1:9 with lines lw 2 lc 'dark-green', lines.deaf using 1:9 with lines lw 2 lc 'red'
 set ylabel 'the box fell, mm'
 set xlabel 'time, s'
