@@ -49,6 +49,7 @@ Controller::Controller(const Settings& settings)
       slipd_(settings.socket),
       law_(settings.law),
       gripper_(settings.dry_run ? make_dry_gripper() : make_gripper(settings.gripper, settings.law.most_n)),
+      watch_(settings.law.fingers),
       thread_([this] { run(); }) {}
 
 Controller::~Controller() {
@@ -84,7 +85,12 @@ void Controller::step() {
                         {"force_n", order.force_n},
                         {"gripper", gripper.answers ? "answers" : gripper.trouble}};
   status["margin"] = law_.margin() ? nlohmann::json(*law_.margin()) : nlohmann::json();
+  const std::string& trouble = watch_.judge(gripper.facts, reading, is_gripping(law_.state()), now_ns);
+  tell_trouble(trouble);
+  if (!trouble.empty()) status["trouble"] = trouble;
   if (gripper.facts.width_mm) status["width_mm"] = *gripper.facts.width_mm;
+  if (gripper.facts.force_n) status["gripper_force_n"] = *gripper.facts.force_n;
+  if (watch_.width_change_mm()) status["width_change_mm"] = *watch_.width_change_mm();
   const std::lock_guard lock(mutex_);
   status_ = std::move(status);
 }
@@ -149,6 +155,11 @@ void Controller::tell(const slipd_estimate& now, State before, double force_befo
                              " N a finger are ordered, and the sensors feel " + number(now.normal_n) +
                              " N together: look at the gripper, and at the sensors' calibration");
   told_deaf_ = law_.is_deaf();
+}
+
+void Controller::tell_trouble(const std::string& trouble) {
+  if (trouble != told_trouble_ && !trouble.empty()) log(LogLevel::warning, trouble);
+  told_trouble_ = trouble;
 }
 
 }  // namespace slipd::grip

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "grip/gripper_thread.hpp"
+#include "grip/gripper_watch.hpp"
 #include "grip/law.hpp"
 #include "grip/settings.hpp"
 
@@ -39,11 +40,14 @@ class Controller {
   bool finger_slips() const;
   Reading reading_of(const slipd_estimate& now) const;
   void tell(const slipd_estimate& now, State before, double force_before_n);
+  void tell_trouble(const std::string& trouble);
 
   Settings settings_;
   client::Connection slipd_;
   Law law_;
   GripperThread gripper_;
+  GripperWatch watch_;
+  std::string told_trouble_;  // of the watch
   bool attached_ = false;
   bool told_deaf_ = false;
   std::atomic<Wish> wish_{Wish::none};  // relaxed: an independent value

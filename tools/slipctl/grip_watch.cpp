@@ -31,7 +31,7 @@ GripWatch grip_from(std::string_view line) {
           .why = text(status, "why"),
           .force_n = number(status, "force_n"),
           .width_mm = number(status, "width_mm"),
-          .trouble = gripper == "answers" ? "" : gripper};
+          .trouble = gripper == "answers" ? text(status, "trouble") : gripper};
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ struct GripWatch {
   std::string why;                 // the event that led there
   std::optional<double> force_n;   // that is ordered of each finger
   std::optional<double> width_mm;  // as the gripper tells it
-  std::string trouble;             // of the gripper; empty: it answers
+  std::string trouble;             // it does not answer, or contradicts the sensors; empty: neither
 };
 
 // None: nobody takes orders there, so there is nothing to show. Waits for 0.1 s at most.
