@@ -11,11 +11,17 @@ constexpr double kMovedM = 0.005, kTooSafe = 0.2;
 // A true margin nearer to 1 has hardly a load: no force is the least for it.
 constexpr double kMostMargin = 0.98;
 
-double median(std::vector<double> values) {
+// share: 0 … 1 of the values lie below it.
+double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double median(const std::vector<double>& values) {
+  return quantile(values, 0.5);
 }
 
 std::size_t count(const std::vector<TrialResult>& trials, bool (*is)(const TrialResult&)) {
@@ -36,11 +42,13 @@ GripSummary summarise(const std::vector<TrialResult>& listening, const std::vect
                   .moved = count(listening, is_moved),
                   .deaf_dropped = count(deaf, is_dropped),
                   .deaf_moved = count(deaf, is_moved)};
-  std::vector<double> forces, known_forces;
+  std::vector<double> forces, known_forces, reactions;
   double error = 0, turning_error = 0;
   std::size_t too_safe = 0, turning_too_safe = 0, low_above = 0, lows = 0;
   for (const TrialResult& trial : listening) {
     sum.known_share += trial.known_share / static_cast<double>(listening.size());
+    reactions.insert(reactions.end(), trial.reactions_frames.begin(), trial.reactions_frames.end());
+    sum.unanswered_slides += static_cast<std::size_t>(trial.slides_unanswered);
     for (const Probe& probe : trial.probes) {
       ++sum.probes;
       const double over_least = 1 / (1 - std::min(probe.truth, kMostMargin));
@@ -58,6 +66,9 @@ GripSummary summarise(const std::vector<TrialResult>& listening, const std::vect
       turning_too_safe += *probe.gamma > probe.turning_truth + kTooSafe ? 1 : 0;
     }
   }
+  sum.answered_slides = reactions.size();
+  sum.reaction_median_frames = median(reactions);
+  sum.reaction_p99_frames = quantile(reactions, 0.99);
   sum.force_over_least = median(forces);
   sum.force_over_least_known = median(known_forces);
   sum.margin_error = error / static_cast<double>(sum.known_probes);
@@ -84,6 +95,10 @@ void print_table(const GripSummary& s, double creep_mm_per_min) {
   std::printf("| the same, of the margin until the object slides or turns | %.3f, %.1f %% |\n",
               s.turning_error, 100 * s.turning_too_safe_share);
   std::printf("| gamma_low above the true margin | %.1f %% |\n", 100 * s.low_above_truth_share);
+  std::printf(
+      "| slides in the holds that more force answers, after frames: median, p99; others, which end by "
+      "themselves | %zu: %.0f, %.0f; %zu |\n",
+      s.answered_slides, s.reaction_median_frames, s.reaction_p99_frames, s.unanswered_slides);
   std::printf("| MuJoCo's creep, at a margin of 0.5 | %.3f mm a minute |\n", creep_mm_per_min);
 }
 
@@ -101,6 +116,10 @@ nlohmann::json to_json(const GripSummary& s, double creep_mm_per_min) {
           {"turning_error", s.turning_error},
           {"turning_too_safe_share", s.turning_too_safe_share},
           {"low_above_truth_share", s.low_above_truth_share},
+          {"answered_slides", s.answered_slides},
+          {"unanswered_slides", s.unanswered_slides},
+          {"reaction_median_frames", s.reaction_median_frames},
+          {"reaction_p99_frames", s.reaction_p99_frames},
           {"probes", s.probes},
           {"known_probes", s.known_probes},
           {"creep_mm_per_min", creep_mm_per_min}};

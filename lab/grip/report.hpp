@@ -21,6 +21,10 @@ struct GripSummary {
   // The same against the margin until the object slides or turns.
   double turning_error = 0, turning_too_safe_share = 0;
   std::size_t probes = 0, known_probes = 0;
+  // Slides in the holds: those that were answered by more force, after how many frames (median, 99th
+  // percentile), and those that were not.
+  std::size_t answered_slides = 0, unanswered_slides = 0;
+  double reaction_median_frames = 0, reaction_p99_frames = 0;
   // Of the frames of all holds.
   double known_share = 0;
 };

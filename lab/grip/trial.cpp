@@ -80,6 +80,38 @@ class Witness {
   int steps_ = 0;
 };
 
+// How soon slides are answered.
+class Reactions {
+ public:
+  explicit Reactions(double most_n) : most_n_(most_n) {}
+
+  // Once for each frame: whether all slides in it, and what was ordered before and in answer to it.
+  void see(bool slides, double before_n, double ordered_n, TrialResult& result) {
+    constexpr double kMoreN = 1e-6;
+    if (slides && !sliding_) {
+      sliding_ = true;
+      waits_ = before_n < most_n_ - kMoreN;
+      before_n_ = before_n;
+      frames_ = 0;
+      result.slides_unanswered += waits_ ? 0 : 1;
+    }
+    if (!sliding_) return;
+    if (waits_ && ordered_n > before_n_ + kMoreN) {
+      result.reactions_frames.push_back(frames_);
+      waits_ = false;
+    }
+    ++frames_;
+    if (slides) return;
+    result.slides_unanswered += waits_ ? 1 : 0;
+    sliding_ = waits_ = false;
+  }
+
+ private:
+  double most_n_, before_n_ = 0;
+  int frames_ = 0;
+  bool sliding_ = false, waits_ = false;
+};
+
 Probe probe(const World& world, Bed& bed) {
   Probe probe{.time_s = world.time_s(),
               .truth = 0,
@@ -108,6 +140,7 @@ TrialResult hold(const Task& task, const TrialOptions& options) {
   const int steps_a_frame = static_cast<int>(std::lround(1 / (bed_options.rate_hz * options.world.step_s)));
   const double hold_s = kLiftAt + task.lift_s;
   Ordered ordered;
+  Reactions reactions(bed_options.most_n);
   bool closed = false;
   int frames = 0, known = 0, probed = 0;
   std::vector<std::array<World::Moment, 2>> moments;  // their margins take longer than slipd waits for frames
@@ -120,7 +153,10 @@ TrialResult hold(const Task& task, const TrialOptions& options) {
       world.read(Side::left, left);
       world.read(Side::right, right);
       add_noise(task, step, options.noise_n, left, right);
+      const double before_n = ordered.force_n;
       ordered = bed.exchange(left, right, world.width_m());
+      if (witness.holds(world.time_s()))
+        reactions.see(world.slides(), before_n, ordered.force_n, witness.so_far());
       if (witness.holds(world.time_s())) {
         ++frames;
         const slipd_estimate now = bed.estimate();

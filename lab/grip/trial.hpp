@@ -31,7 +31,9 @@ struct TrialResult {
   double known_share = 0;             // of the frames of the hold, with a margin
   std::map<std::string, int> states;  // slipd's, of the frames of the hold
   std::vector<Probe> probes;
-  std::vector<double> reactions_frames;  // from a frame in which all slides to the first order that is higher
+  // From a frame in which all slides to the first order that is higher, frames; 0: its own answer.
+  std::vector<double> reactions_frames;
+  int slides_unanswered = 0;  // that ended, or began at the most force, without one
 };
 
 struct TrialOptions {

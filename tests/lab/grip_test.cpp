@@ -64,6 +64,8 @@ TEST(GripTasks, AreTheSameForTheSameNumberAndWithinTheirRanges) {
 TEST(GripSummary, CountsAMarginThatClaimsTooMuch) {
   TrialResult trial;
   trial.moved_m = 0.006;
+  trial.reactions_frames = {0, 1, 1, 5};
+  trial.slides_unanswered = 2;
   trial.probes = {
       {.time_s = 0, .truth = 0.5, .turning_truth = 0.4, .gamma = 0.75, .gamma_low = 0.4, .force_n = 1},
       {.time_s = 1, .truth = 0.5, .turning_truth = 0.4, .gamma = 0.45, .gamma_low = 0.6, .force_n = 1},
@@ -76,6 +78,10 @@ TEST(GripSummary, CountsAMarginThatClaimsTooMuch) {
   EXPECT_EQ(sum.turning_too_safe_share, 0.5);
   EXPECT_EQ(sum.low_above_truth_share, 0.5);
   EXPECT_EQ(sum.force_over_least, 2);
+  EXPECT_EQ(sum.answered_slides, 4U);
+  EXPECT_EQ(sum.unanswered_slides, 2U);
+  EXPECT_EQ(sum.reaction_median_frames, 1);
+  EXPECT_EQ(sum.reaction_p99_frames, 5);
 }
 
 }  // namespace
