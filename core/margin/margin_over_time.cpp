@@ -233,8 +233,11 @@ LearntByPillars::LearntByPillars(double sigma_max, const TaxelLayout& layout,
                            by_pillars(layout, friction, options), options) {}
 
 void LearntByPillars::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  if (const auto now = learn(frame, decision, out))
-    propose(has_settled(*now) ? now->margin : minus_one_sigma(*now, now->margin), frame, decision, out);
+  if (const auto now = learn(frame, decision, out)) {
+    MeanSigma margin = has_settled(*now) ? now->margin : minus_one_sigma(*now, now->margin);
+    if (filter_->surprised()) margin.sigma = std::numeric_limits<double>::infinity();
+    propose(margin, frame, decision, out);
+  }
   widen_by_unobserved(frame, decision, out);
 }
 
