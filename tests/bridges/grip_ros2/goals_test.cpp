@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "bridges/grip_ros2/order_lines.hpp"
 
 namespace slipd::grip_ros2 {
