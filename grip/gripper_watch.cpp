@@ -30,19 +30,13 @@ std::string newtons(double value) {
 const std::string& GripperWatch::judge(const GripperFacts& facts, const Reading& reading, bool gripping,
                                        std::int64_t now_ns) {
   if (!gripping || reading.contact == false) {
-    held_since_ns_.reset();
-    unlike_since_ns_.reset();
-    first_width_mm_.reset();
-    width_change_mm_.reset();
-    force_trouble_.clear();
-    width_trouble_.clear();
+    grip_ = {};
   } else {
-    if (!held_since_ns_) held_since_ns_ = now_ns;
+    if (!grip_.since_ns) grip_.since_ns = now_ns;
     watch_force(facts, reading, now_ns);
     watch_width(facts, now_ns);
   }
-  trouble_ = force_trouble_.empty() ? width_trouble_ : force_trouble_;
-  return trouble_;
+  return grip_.force_trouble.empty() ? grip_.width_trouble : grip_.force_trouble;
 }
 
 void GripperWatch::watch_force(const GripperFacts& facts, const Reading& reading, std::int64_t now_ns) {
@@ -51,28 +45,30 @@ void GripperWatch::watch_force(const GripperFacts& facts, const Reading& reading
   const double more = known ? std::max(*facts.force_n, felt_n) : 0,
                less = known ? std::min(*facts.force_n, felt_n) : 0;
   if (more < kLeastN || more < kUnlike * less) {
-    unlike_since_ns_.reset();
-    force_trouble_.clear();
+    grip_.unlike_since_ns.reset();
+    grip_.force_trouble.clear();
     return;
   }
-  if (!unlike_since_ns_) unlike_since_ns_ = now_ns;
-  if (seconds(*unlike_since_ns_, now_ns) < kUnlikeForS || !force_trouble_.empty()) return;
-  force_trouble_ = "the gripper measures " + newtons(*facts.force_n) + " N a finger, and the sensors feel " +
-                   newtons(felt_n) +
-                   " N: one of them is wrong; open, then slipctl rebias; slipctl calibrate, with a weight";
+  if (!grip_.unlike_since_ns) grip_.unlike_since_ns = now_ns;
+  if (seconds(*grip_.unlike_since_ns, now_ns) < kUnlikeForS || !grip_.force_trouble.empty()) return;
+  grip_.force_trouble =
+      "the gripper measures " + newtons(*facts.force_n) + " N a finger, and the sensors feel " +
+      newtons(felt_n) +
+      " N: one of them is wrong; open, then slipctl rebias; slipctl calibrate, with a weight";
 }
 
 void GripperWatch::watch_width(const GripperFacts& facts, std::int64_t now_ns) {
-  if (!facts.width_mm || seconds(*held_since_ns_, now_ns) < kSettledS) return;
-  if (!first_width_mm_) first_width_mm_ = *facts.width_mm;
-  width_change_mm_ = *facts.width_mm - *first_width_mm_;
-  if (std::fabs(*width_change_mm_) < kChangedMm) {
-    width_trouble_.clear();
-  } else if (width_trouble_.empty()) {
-    width_trouble_ = *width_change_mm_ < 0
-                         ? "the fingers have closed while they hold: the object gives way, or slips out"
-                         : "the fingers have opened while they hold: something forces them apart, or the "
-                           "gripper gives way";
+  if (!facts.width_mm || seconds(*grip_.since_ns, now_ns) < kSettledS) return;
+  if (!grip_.first_width_mm) grip_.first_width_mm = *facts.width_mm;
+  grip_.width_change_mm = *facts.width_mm - *grip_.first_width_mm;
+  if (std::fabs(*grip_.width_change_mm) < kChangedMm) {
+    grip_.width_trouble.clear();
+  } else if (grip_.width_trouble.empty()) {
+    grip_.width_trouble =
+        *grip_.width_change_mm < 0
+            ? "the fingers have closed while they hold: the object gives way, or slips out"
+            : "the fingers have opened while they hold: something forces them apart, or the "
+              "gripper gives way";
   }
 }
 

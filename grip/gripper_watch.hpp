@@ -21,16 +21,21 @@ class GripperWatch {
   const std::string& judge(const GripperFacts& facts, const Reading& reading, bool gripping,
                            std::int64_t now_ns);
   // How far the fingers have opened since they hold something, mm; negative: closed.
-  std::optional<double> width_change_mm() const noexcept { return width_change_mm_; }
+  std::optional<double> width_change_mm() const noexcept { return grip_.width_change_mm; }
 
  private:
   void watch_force(const GripperFacts& facts, const Reading& reading, std::int64_t now_ns);
   void watch_width(const GripperFacts& facts, std::int64_t now_ns);
 
+  // What ends with the grip.
+  struct Grip {
+    std::optional<std::int64_t> since_ns, unlike_since_ns;
+    std::optional<double> first_width_mm, width_change_mm;
+    std::string force_trouble, width_trouble;
+  };
+
   int fingers_;
-  std::optional<std::int64_t> held_since_ns_, unlike_since_ns_;
-  std::optional<double> first_width_mm_, width_change_mm_;
-  std::string force_trouble_, width_trouble_, trouble_;
+  Grip grip_;
 };
 
 }  // namespace slipd::grip

@@ -1,7 +1,6 @@
 #include "bridges/grip_ros2/action.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <random>
 
 #include "bridges/grip_ros2/samples.hpp"
@@ -13,7 +12,6 @@ namespace {
 using ros2::ReaderOptions;
 using ros2::Subscription;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // QoS that ROS 2 gives actions: services, feedback and the list of goals.
 constexpr ros2::WriterOptions kRequests{.depth = 10, .reliable = true, .prefix = "rq"};
 constexpr ReaderOptions kFeedback{.depth = 10, .reliable = true};
@@ -52,7 +50,7 @@ void fill(CountedRequest<G>& to, const ActionSettings& settings, const GoalId& i
 }
 
 double at(const std::vector<double>& numbers, std::size_t joint) {
-  return joint < numbers.size() ? numbers[joint] : kUnknown;
+  return joint < numbers.size() ? numbers[joint] : ros2::kUnknown;
 }
 
 // Of the joint, or of the first if the driver has others.

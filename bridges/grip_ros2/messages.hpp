@@ -122,7 +122,7 @@ struct ParallelFeedback {
 // How a goal is: action_msgs/msg/GoalStatus.
 struct GoalStatus {
   static constexpr std::string_view kName = "action_msgs/msg/GoalStatus";
-  static constexpr std::int8_t kCanceled = 5, kAborted = 6;
+  static constexpr std::int8_t kAborted = 6;
   GoalId goal_id;
   ros2::Time stamp;
   std::int8_t status = 0;

@@ -114,13 +114,9 @@ Node::Node(const NodeOptions& options, std::function<void()> readers_changed)
     if (options.humble) {
       using Type = DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>>;
       // The type of Humble under the name that both have.
-      const dds_topic_descriptor_t& own = Type::descriptor();
       const std::string name = dds_name(ParticipantEntitiesInfo<kHumbleGidBytes>::kName);
-      const dds_topic_descriptor_t renamed{
-          own.m_size,   own.m_align,          own.m_flagset,    own.m_nkeys,
-          name.c_str(), own.m_keys,           own.m_nops,       own.m_ops,
-          own.m_meta,   own.type_information, own.type_mapping, own.restrict_data_representation};
-      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true, nullptr);
+      discovery_ = make_writer(renamed(Type::descriptor(), name.c_str()), "ros_discovery_info", {}, last,
+                               true, nullptr);
     } else {
       using Info = ParticipantEntitiesInfo<kGidBytes>;
       discovery_ = make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true,

@@ -7,23 +7,10 @@
 namespace slipd::ros2 {
 namespace {
 
-// dds_write() does not change what it reads.
-char* text_of(const std::string& text) noexcept {
-  return const_cast<char*>(text.c_str());
-}
-
 template <std::size_t N, std::size_t MOST>
 void copy_bounded(const BoundedString<MOST>& from, char (&to)[N]) noexcept {
   static_assert(N == MOST + 1);
   from.text.copy(to, MOST);
-}
-
-// Sequences of C have the same members under other names.
-template <class Sequence, class Element>
-void set_sequence(Sequence& to, Element* elements, std::size_t length) noexcept {
-  to._maximum = to._length = static_cast<std::uint32_t>(length);
-  to._buffer = elements;
-  to._release = false;
 }
 
 void fill_header(const Header& from, std_msgs_msg_dds__Header_& to) noexcept {

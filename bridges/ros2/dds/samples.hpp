@@ -9,7 +9,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory_resource>
+#include <string>
 #include <vector>
 
 #include "bridges/ros2/messages/messages.hpp"
@@ -33,6 +35,26 @@ class SampleMemory {
   std::array<std::byte, kUsualBytes> usual_;
   std::pmr::monotonic_buffer_resource resource_{usual_.data(), usual_.size()};
 };
+
+// What a sample points to: dds_write() does not change what it reads.
+inline char* text_of(const std::string& text) noexcept {
+  return const_cast<char*>(text.c_str());
+}
+
+// Sequences of C have the same members under other names.
+template <class Sequence, class Element>
+void set_sequence(Sequence& to, Element* elements, std::size_t length) noexcept {
+  to._maximum = to._length = static_cast<std::uint32_t>(length);
+  to._buffer = elements;
+  to._release = false;
+}
+
+// `type` under another name, which has to live as long.
+inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& type, const char* name) noexcept {
+  dds_topic_descriptor_t other = type;
+  other.m_typename = name;
+  return other;
+}
 
 // For each message that is a topic: the sample's type, its descriptor, and `fill`. A sample points into its
 // message.
