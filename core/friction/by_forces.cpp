@@ -19,34 +19,32 @@ FrictionFilterOptions with_rate(FrictionFilterOptions options) noexcept {
 }  // namespace
 
 FrictionByForces::FrictionByForces(const FrictionPrior& prior, const FrictionFilterOptions& options)
-    : FrictionFilter(prior, options.force_only_points, with_rate(options)),
-      traction_ratio_(options.traction_ratio) {}
+    : FrictionFilter(prior, options.force_only_points, with_rate(options)) {}
 
 void FrictionByForces::reset() noexcept {
   reset_evidence();
-  traction_ratio_.reset();
   grasp_ = {};
 }
 
 void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
-  traction_ratio_.update(patch);
-  traction_ratio_now_ = traction_ratio_.now();
   begin_frame(frame);
   forget_lighter(patch);
   watch_hook();
   const bool self_stressed =
       grasp_.exceeds_friction || frame.previous.field.internal_share > options_.max_internal_share;
-  if (!self_stressed) {
-    MeanSigma held = traction_ratio_.held().load;
-    held.mean = std::min(held.mean, traction_ratio_.now().mean);  // the mean lags behind a load that falls
-    posterior_.bound_below(held);
-  }
+  if (!self_stressed) bound_by_held();
   if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);
   if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !self_stressed)
     weigh_slide(*slide);
   posterior_.conclude();
+}
+
+void FrictionByForces::weigh_drop(const MeanSigma& load, double fallen, double /*seconds*/) noexcept {
+  constexpr double kNoise = 4;  // deviations of a load that noise alone hardly makes
+  const double unseen = fallen - kNoise * load.sigma / likeliest() - options_.seen_drop;
+  if (unseen > 0) posterior_.may_have_changed(-std::expm1(-unseen / options_.unseen_drop), 0);
 }
 
 void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
@@ -58,7 +56,7 @@ void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
 // More than the greatest expected friction holds: something hooks. What the load showed of friction while it
 // rose to that is forgotten.
 void FrictionByForces::watch_hook() noexcept {
-  const MeanSigma load = traction_ratio_.held().load;
+  const MeanSigma load = traction_ratio_.held();
   const double highest = grid().friction(grid().count() - 1), lowest = grid().friction(0);
   if (load.mean - options_.exceeds_friction_sigmas * load.sigma > options_.exceeds_friction * highest)
     grasp_.exceeds_friction = true;
@@ -80,7 +78,7 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
   PerFriction residuals;  // the first grid().count() of them
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < grid().count(); ++j) {
-    residuals[j] = reading.gamma - (1 - load / grid().friction(j));
+    residuals[j] = reading.gamma - std::max(0.0, 1 - load / grid().friction(j));
     least = std::min(least, square(residuals[j] / reading.sigma));
   }
   explain(least, reading.sigma < options_.confirming_sigma);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "core/friction/friction_filter.hpp"
-#include "core/friction/traction_ratio.hpp"
 
 namespace slipd {
 
@@ -15,6 +14,9 @@ class FrictionByForces final : public FrictionFilter {
   void reset() noexcept override;
 
  private:
+  // Such a sensor mostly tells less noise than it has, and shows little of friction otherwise: it may have
+  // fallen to any that holds.
+  void weigh_drop(const MeanSigma& load, double fallen, double seconds) noexcept override;
   void forget_lighter(const ContactPatch& patch) noexcept;
   void watch_hook() noexcept;
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
@@ -27,7 +29,6 @@ class FrictionByForces final : public FrictionFilter {
         false;  // the load exceeded any friction, and has not fallen below all of them since
   };
 
-  TractionRatioFilter traction_ratio_;
   GraspState grasp_;
 };
 

@@ -28,11 +28,8 @@ void FrictionByPillars::lose_history(HistoryEvent /*why*/) noexcept {
 
 void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
-  traction_ratio_now_ = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
   const double seconds = begin_frame(frame);
-  posterior_.bound_below({traction_ratio_now_.mean,
-                          std::max(traction_ratio_now_.sigma,
-                                   options_.traction_ratio.held_floor_frame * traction_ratio_now_.mean)});
+  bound_by_held();
   beds_.follow(patch, seconds);
   weigh_frame();
   posterior_.conclude();

@@ -43,11 +43,8 @@ void FrictionByShape::lose_sight() noexcept {
 void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   const Reading* const reading = frame.reading;
-  const MeanSigma ratio{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
-  traction_ratio_now_ = ratio;
   begin_frame(frame);
-  posterior_.bound_below(
-      {ratio.mean, std::max(ratio.sigma, options_.traction_ratio.held_floor_frame * ratio.mean)});
+  bound_by_held();
   const bool turning = reading != nullptr && reading->under_torque;
   if (!turning) follow(patch);
   grasp_.turning = turning;
@@ -80,13 +77,17 @@ void FrictionByShape::lose_history(HistoryEvent why) noexcept {
   foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
+double FrictionByShape::slip_moment_along_shear_n(std::size_t friction) const noexcept {
+  return std::copysign(1.0, foundations_.shear_n(friction)) *
+         foundations_.shear_moments(friction).slip_moment_n;
+}
+
 // Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
 // reads as a margin that is smaller by dGamma/drho dS/Q.
 MeanSigma FrictionByShape::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
   const double mu = grid().friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
   const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
-  const double off_n =
-      std::fabs(foundations_.shear_moments(friction).slip_moment_n) - limit_n * monotonic_slip_moment(gamma);
+  const double off_n = slip_moment_along_shear_n(friction) - limit_n * monotonic_slip_moment(gamma);
   const double resolved_n = options_.monotonic_share_of_limit * limit_n;
   const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
   const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
@@ -99,7 +100,7 @@ bool FrictionByShape::looks_monotonic(double normal_n, double load) noexcept {
   const double mu = grid().friction(j), limit_n = mu * normal_n;
   const double monotonic_n = limit_n * monotonic_slip_moment(1 - load / mu);
   grasp_.margin_offset = offset_of(j, load, normal_n);
-  return std::fabs(std::fabs(foundations_.shear_moments(j).slip_moment_n) - monotonic_n) <
+  return std::fabs(slip_moment_along_shear_n(j) - monotonic_n) <
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 
@@ -154,7 +155,8 @@ bool FrictionByShape::compare_margin(const ContactPatch& patch, const Reading& r
   for (std::size_t j = 0; j < grid().count(); ++j) {
     const double offset = offset_of(j, load, patch.normal_n).mean;
     offsets.add(grid().weight(j), offset);
-    residuals[j] = reading.gamma + offset - (1 - load / grid().friction(j));
+    const double expected = std::max(0.0, 1 - load / grid().friction(j)) - offset;
+    residuals[j] = reading.gamma - std::clamp(expected, 0.0, 1.0);  // more than full slip is not read
   }
   // Frictions that may be right have contacts of other histories.
   MeanSigma& own = grasp_.margin_offset;

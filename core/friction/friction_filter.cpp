@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slipd {
 namespace {
@@ -16,12 +17,15 @@ double square(double x) noexcept {
 
 FrictionFilter::FrictionFilter(const FrictionPrior& prior, std::size_t points,
                                const FrictionFilterOptions& options)
-    : options_(options), posterior_(prior, points, options.posterior), history_(options.history) {}
+    : options_(options),
+      posterior_(prior, points, options.posterior),
+      history_(options.history),
+      traction_ratio_(options.traction_ratio) {}
 
 void FrictionFilter::reset_evidence() noexcept {
   posterior_.reset();
   history_.contact_lost();
-  traction_ratio_now_ = {};
+  traction_ratio_.reset();
   last_ns_ = 0;
   torque_ = false;
   normal_n_ = shear_n_ = 0;
@@ -35,6 +39,7 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
 
 double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
+  traction_ratio_.update(patch);
   const double seconds =
       last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
   const double moved = std::hypot((patch.normal_n - normal_n_) / patch.normal_n,
@@ -42,7 +47,12 @@ double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   posterior_.decorrelate(moved);
   posterior_.begin(seconds);
   const bool torque = frame.reading != nullptr && frame.reading->under_torque;
-  if (normal_n_ > 0 && !torque && !torque_) watch_drop(patch);
+  if (normal_n_ > 0 && !torque && !torque_) {
+    const double now = patch.shear_n / patch.normal_n;
+    if (const double fallen = shear_n_ / normal_n_ - now; fallen > 0)
+      weigh_drop({now, std::hypot(patch.shear_sigma_n, now * patch.normal_sigma_n) / patch.normal_n},
+                 fallen / likeliest(), seconds);
+  }
   torque_ = torque;
   last_ns_ = frame.time_ns;
   normal_n_ = patch.normal_n;
@@ -50,13 +60,24 @@ double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   return seconds;
 }
 
-// A load that falls between two frames was let go, or friction has fallen to it: forces alone do not tell.
-void FrictionFilter::watch_drop(const ContactPatch& patch) noexcept {
-  constexpr double kNoise = 4;  // deviations of a difference of loads that noise alone hardly makes
-  const double now = patch.shear_n / patch.normal_n;
-  const double noise = kNoise * std::hypot(patch.shear_sigma_n, now * patch.normal_sigma_n) / patch.normal_n;
-  const double unseen = (shear_n_ / normal_n_ - now - noise) / likeliest() - options_.seen_drop;
-  if (unseen > 0) posterior_.may_have_changed(-std::expm1(-unseen / options_.unseen_drop), 0);
+void FrictionFilter::bound_by_held() noexcept {
+  MeanSigma held = traction_ratio_.held();
+  held.mean = std::min(held.mean, traction_ratio_.now().mean);  // the mean lags behind a load that falls
+  posterior_.bound_below(held);
+}
+
+// Loads are let go at speeds of an exponential distribution, which noise adds to: what is likeliest of both
+// together is Huber's function of the fall (1964). A fall of friction may be of any size.
+void FrictionFilter::weigh_drop(const MeanSigma& load, double fallen, double seconds) noexcept {
+  if (!(seconds > 0)) return;
+  const double noise = std::numbers::sqrt2 * load.sigma / likeliest();  // of a difference of two loads
+  const double usual = options_.unload_per_s * seconds, steep = noise / usual;
+  const double nats =
+      fallen < noise * steep ? 0.5 * square(fallen / noise) : fallen / usual - 0.5 * square(steep);
+  const double let_go =
+      options_.unload_share * std::exp(-nats) / (usual + std::sqrt(std::numbers::pi / 2) * noise);
+  const double fell = -std::expm1(-options_.posterior.falls_per_s * seconds);
+  posterior_.may_have_fallen_to(load, fell / (fell + let_go));
 }
 
 // A margin between two points of the grid is off by up to half a step, in each frame alike.

@@ -12,6 +12,7 @@
 #include "core/friction/friction_filter_options.hpp"
 #include "core/friction/friction_posterior.hpp"
 #include "core/friction/history_state.hpp"
+#include "core/friction/traction_ratio.hpp"
 #include "core/load/load_path.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/friction_prior.hpp"
@@ -47,7 +48,7 @@ class FrictionFilter {
   virtual void lose_sight() noexcept { reset(); }
 
   // |Q|/P now.
-  const MeanSigma& traction_ratio() const noexcept { return traction_ratio_now_; }
+  const MeanSigma& traction_ratio() const noexcept { return traction_ratio_.now(); }
   // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest
   // friction's contact has had: to be added to it, Gamma; and its standard deviation.
   virtual MeanSigma margin_offset() const noexcept { return {}; }
@@ -77,7 +78,11 @@ class FrictionFilter {
   // The first call for each frame: time goes on, and errors are others where the forces have moved far. Since
   // the frame before, s; 0 for the first.
   double begin_frame(const FrictionFrame& frame) noexcept;
-  void watch_drop(const ContactPatch& patch) noexcept;
+  // Coulomb: friction is at least the load that it holds.
+  void bound_by_held() noexcept;
+  // The load is less than it was a frame ago, > 0 s: it was let go, or friction has fallen to it. Forces
+  // alone do not tell, and their densities weigh one against the other. fallen: > 0, in friction limits.
+  virtual void weigh_drop(const MeanSigma& load, double fallen, double seconds) noexcept;
   // Of a frame that friction is read from. residuals: see FrictionPosterior::weigh.
   void weigh_margin(std::span<const double> residuals, const Reading& reading, double offset_sigma,
                     double utilisation) noexcept;
@@ -92,7 +97,7 @@ class FrictionFilter {
   const FrictionFilterOptions options_;
   FrictionPosterior posterior_;
   HistoryMonitor history_;
-  MeanSigma traction_ratio_now_;
+  TractionRatioFilter traction_ratio_;
 
  private:
   std::int64_t last_ns_ = 0;           // time of the frame before; 0 before the first

@@ -39,10 +39,16 @@ struct FrictionFilterOptions {
   // some friction always explains confirm a history that is wrong.
   double confirming_sigma = 0.2;
 
-  // A load that falls from one frame to the next by more than the first of these, of the friction limit, may
-  // be one that friction no longer holds; by the second beyond it, it is so with 1 - 1/e; 0.02 … 0.3, 0.005 …
-  // 0.3. Too small: an object that is set down fast leaves friction open. Too large: friction that fell
-  // between two frames leaves margins that are too safe.
+  // How fast a load is let go, in friction limits a second, and in what share of all frames it is; 0.5 … 50
+  // and 0.01 … 1. One that falls faster between two frames may be one that friction no longer holds. Too
+  // small: an object that is set down fast leaves friction open. Too large: friction that fell between two
+  // frames leaves margins that are too safe.
+  double unload_per_s = 3;
+  double unload_share = 0.1;
+  // The same where there are forces alone, by shares of the friction limit from frame to frame: a load that
+  // falls by more than the first of these may be one that friction no longer holds; by the second beyond it,
+  // it is so with 1 - 1/e; 0.02 … 0.3, 0.005 … 0.3. Too small: an object that is set down fast leaves
+  // friction open. Too large: friction that fell between two frames leaves margins that are too safe.
   double seen_drop = 0.05;
   double unseen_drop = 0.03;
 

@@ -55,6 +55,24 @@ void FrictionPosterior::may_have_changed(double probability, double rises) noexc
   }
 }
 
+void FrictionPosterior::may_have_fallen_to(const MeanSigma& load, double probability) noexcept {
+  if (!(load.mean > 0)) return;
+  const double width = std::hypot(load.sigma / load.mean, 0.5 * grid_.step());
+  PerFriction near;
+  double sum = 0, most = 0;
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    const double off = std::log(grid_.friction(j) / load.mean) / width;
+    near[j] = std::exp(-0.5 * off * off);
+    sum += near[j];
+    most = std::max(most, grid_.prior(j));
+  }
+  if (!(sum > 0)) return;
+  for (std::size_t j = 0; j < grid_.count(); ++j) {
+    same_[j] *= 1 - probability;
+    changed_[j] += probability * (near[j] / sum * grid_.prior(j) / most - changed_[j]);
+  }
+}
+
 void FrictionPosterior::bound_below(const MeanSigma& held) noexcept {
   const double to_edge = std::exp(0.5 * grid_.step());  // a point stands for what lies about it
   for (std::size_t j = 0; j < grid_.count(); ++j) {

@@ -51,6 +51,8 @@ class FrictionPosterior {
   // Friction may be another one, with this probability, 0 … 1, and more than it was `rises` times as likely
   // as less.
   void may_have_changed(double probability, double rises = 1) noexcept;
+  // With this probability friction has just fallen to what the load shows now: the object slides.
+  void may_have_fallen_to(const MeanSigma& load, double probability) noexcept;
   // Point j is less likely by this factor, 0 … 1, whether friction has changed or not.
   void scale(std::size_t j, double factor) noexcept {
     same_[j] *= factor;

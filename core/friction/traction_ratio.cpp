@@ -59,10 +59,9 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   return {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
 }
 
-TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
-  const double sigma =
-      std::max(options_.mean_sigma * frame_.sigma, options_.held_floor_mean * frame_.now.mean);
-  return {{state_.mean, sigma}, options_.mean_gain};
+MeanSigma TractionRatioFilter::held() const noexcept {
+  return {state_.mean,
+          std::max(options_.mean_sigma * frame_.sigma, options_.held_floor_mean * frame_.now.mean)};
 }
 
 bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {

@@ -74,10 +74,8 @@ struct TractionRatioOptions {
   // noise is taken for friction. Too large: a slide says little.
   double plateau_sigma = 0.045;
   double moving_sigma = 0.07;
-  // Floor of the sigma of what friction holds, relative to |Q|/P: of one frame, and of the running mean;
-  // 0 … 0.05. Too small: a frame without noise refutes a friction that is a little less. Too large: gross
-  // slip bounds friction loosely.
-  double held_floor_frame = 0.01;
+  // Floor of the sigma of what friction holds, relative to |Q|/P; 0 … 0.05. Too small: a frame without noise
+  // refutes a friction that is a little less. Too large: gross slip bounds friction loosely.
   double held_floor_mean = 0.005;
 };
 
@@ -97,13 +95,9 @@ class TractionRatioFilter {
   // |Q|/P now, dimensionless, >= 0.
   const MeanSigma& now() const noexcept { return frame_.now; }
 
-  // |Q|/P that friction holds by now, and in how many frames' worth of evidence it counts: the running mean,
-  // for of the many frames of a slide the noisiest would else decide.
-  struct Held {
-    MeanSigma load;
-    double frames = 1;
-  };
-  Held held() const noexcept;
+  // |Q|/P that friction holds by now: the running mean, for of the many frames of a slide the noisiest would
+  // else decide.
+  MeanSigma held() const noexcept;
 
   // Whether one frame's |Q|/P is, within its sigma, the highest of this grasp that detect_slide() has seen.
   bool is_highest(double load, double sigma) const noexcept;

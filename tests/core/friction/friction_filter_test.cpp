@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <random>
 
 #include "core/friction/by_forces.hpp"
 #include "core/friction/by_shape.hpp"
@@ -279,6 +280,56 @@ TEST(FrictionFilter, FrictionThatRoseIsLearntOnceTheLoadGrows) {
   grasp.move(2, 0.6, 0.4, 100);
   grasp.move(2, 1.1, 0.7, 200);
   EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.7, 0.07);
+}
+
+// 16 % of the friction limit within a millisecond is more than a gripper lets go.
+TEST(FrictionFilter, ALoadThatIsLostAtOnceWasLostToSlidingAndOneThatFallsSlowlyWasLetGo) {
+  const auto friction_after = [](std::int64_t drop_ns) {
+    ByShape filter(kFilterPrior);
+    std::int64_t time_ns = 0;
+    for (int i = 1; i <= 100; ++i) {
+      const Reading reading = monotonic_frame(1 - 0.004 * i / 0.5);
+      filter.update(time_ns += 1'000'000, forces(2, 2 * 0.004 * i), &reading);
+    }
+    EXPECT_NEAR(filter->grid().friction().mean, 0.5, 0.02);
+    filter.update(time_ns += drop_ns, forces(2, 2 * 0.32), nullptr);
+    return filter->grid().friction().mean;
+  };
+  EXPECT_NEAR(friction_after(1'000'000), 0.32, 0.02);
+  EXPECT_NEAR(friction_after(50'000'000), 0.5, 0.02);
+}
+
+// The slip moment of a load that is going back is against the shear, also where it is as large.
+TEST(FrictionFilter, ALoadThatGoesBackIsNoMonotonicOneUntilItIsAsLargeAsBefore) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50);
+  grasp.move(2, 0.8, 0.5, 100);
+  grasp.move(2, 0.7, 0.5, 20);
+  int monotonic = 0;
+  grasp.each_frame = [&] { monotonic += grasp.filter->history() == HistoryState::monotonic ? 1 : 0; };
+  grasp.move(2, -0.5, 0.5, 240);
+  EXPECT_EQ(monotonic, 0);
+  grasp.move(2, -0.9, 0.5, 80);
+  EXPECT_GT(monotonic, 0);
+}
+
+// Of many frames the noisiest would decide.
+TEST(FrictionFilter, NoiseOfALongSlideRefutesNoFriction) {
+  constexpr double kLoad = 0.3, kNoise = 0.01;
+  ByShape filter(kFilterPrior);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, kNoise);
+  std::int64_t time_ns = 0;
+  for (int i = 0; i < 2000; ++i) {
+    ContactPatch patch = forces(2, 2 * (kLoad + noise(random)));
+    patch.shear_sigma_n = 2 * kNoise;
+    filter.update(time_ns += 1'000'000, patch, nullptr);
+  }
+  const FrictionGrid& grid = filter->grid();
+  std::size_t nearest = 0;
+  for (std::size_t j = 0; j < grid.count(); ++j)
+    if (std::fabs(grid.friction(j) - kLoad) < std::fabs(grid.friction(nearest) - kLoad)) nearest = j;
+  EXPECT_GT(grid.weight(nearest), 0.5 * grid.weight(nearest + 4));
 }
 
 // Q/P that falls by a quarter from one frame to the next: the object was let go, or friction no longer holds

@@ -182,7 +182,7 @@ TEST(TractionRatioFilter, WithoutNoiseIsTheRatioOfEachFrame) {
     carried.update(patch);
     EXPECT_EQ(carried.now().mean, shear_n / 2);
     EXPECT_EQ(carried.now().sigma, 0);
-    EXPECT_DOUBLE_EQ(carried.held().load.mean, shear_n / 2);  // a mean over frames would lag
+    EXPECT_DOUBLE_EQ(carried.held().mean, shear_n / 2);  // a mean over frames would lag
   }
 }
 
