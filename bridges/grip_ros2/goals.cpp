@@ -29,7 +29,12 @@ std::optional<Goal> Goals::due(const Order& order, std::int64_t now_ns) {
 void Goals::note_sent(const GoalId& goal, std::int64_t now_ns) {
   unlisted_.push_back({goal, now_ns});
   newest_ = goal;
-  aborted_ = false;
+  aborted_ = refused_ = false;
+}
+
+void Goals::note_refused() {
+  sent_order_.reset();
+  refused_ = true;
 }
 
 void Goals::note_listed(const GoalStatus& status) {
@@ -41,10 +46,14 @@ void Goals::note_listed(const GoalStatus& status) {
 void Goals::forget() {
   sent_order_.reset();
   unlisted_.clear();
-  aborted_ = false;
+  aborted_ = refused_ = false;
 }
 
 std::string Goals::trouble(std::int64_t now_ns) const {
+  if (refused_)
+    return "no goal can be sent: the action's server does not acknowledge those before, or memory is full; "
+           "look at "
+           "its node";
   if (unlisted_.empty()) return {};
   const double since_s = static_cast<double>(now_ns - unlisted_.front().time_ns) / kNsPerSecond;
   if (since_s <= settings_.accept_s) return {};

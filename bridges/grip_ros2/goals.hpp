@@ -50,8 +50,9 @@ class Goals {
 
   // The goal that has to be sent now for an order; none: the last one stands. `now_ns`: of a steady clock.
   std::optional<Goal> due(const Order& order, std::int64_t now_ns);
-  // A goal was sent.
+  // The goal that was due was sent; or DDS refused it, and it is due again with the next order.
   void note_sent(const GoalId& goal, std::int64_t now_ns);
+  void note_refused();
   // The server lists a goal.
   void note_listed(const GoalStatus& status);
   // There is another server, or none: what was sent counts for nothing.
@@ -76,6 +77,7 @@ class Goals {
   std::deque<Sent> unlisted_;           // in their order
   GoalId newest_;
   bool aborted_ = false;
+  bool refused_ = false;  // the last one that was due
 };
 
 }  // namespace slipd::grip_ros2

@@ -42,7 +42,10 @@ std::string RosGripper::obey(const std::string& line) {
   take(now_ns);
   if (server_) {
     if (const std::optional<Goal> goal = goals_.due(*order, now_ns)) {
-      if (const std::optional<GoalId> id = action_.send(*goal)) goals_.note_sent(*id, now_ns);
+      if (const std::optional<GoalId> id = action_.send(*goal))
+        goals_.note_sent(*id, now_ns);
+      else
+        goals_.note_refused();
       told_abort_ = false;
     }
   }

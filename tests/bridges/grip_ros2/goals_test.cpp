@@ -55,6 +55,17 @@ TEST(Goals, AreNotSentAgainForTheSameOrder) {
   EXPECT_FALSE(settled(goals, grip(3), 10'000 * kMs));
 }
 
+TEST(Goals, ThatDdsRefusedAreDueAgainAndItIsTold) {
+  Goals goals(settings());
+  ASSERT_TRUE(settled(goals, grip(3), 0));
+  goals.note_refused();
+  EXPECT_NE(goals.trouble(kMs).find("no goal can be sent"), std::string::npos);
+  ASSERT_TRUE(goals.due(grip(3), kMs));
+  goals.note_sent(id(1), kMs);
+  EXPECT_EQ(goals.trouble(2 * kMs), "");
+  EXPECT_FALSE(goals.due(grip(3), 2 * kMs));
+}
+
 TEST(Goals, WaitForAForceThatRisesInAFewOrders) {
   Goals goals(settings());
   for (const double force : {0.01, 1.0, 2.0}) EXPECT_FALSE(goals.due(grip(force), 0));
