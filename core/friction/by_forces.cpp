@@ -41,9 +41,10 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   posterior_.conclude();
 }
 
-void FrictionByForces::weigh_drop(const MeanSigma& load, double fallen, double /*seconds*/) noexcept {
-  constexpr double kNoise = 4;  // deviations of a load that noise alone hardly makes
-  const double unseen = fallen - kNoise * load.sigma / likeliest() - options_.seen_drop;
+void FrictionByForces::weigh_drop(const MeanSigma& /*load*/, const MeanSigma& drop,
+                                  double /*seconds*/) noexcept {
+  constexpr double kNoise = 4;  // deviations that noise alone hardly makes
+  const double unseen = drop.mean - kNoise * drop.sigma - options_.seen_drop;
   if (unseen > 0) posterior_.may_have_changed(-std::expm1(-unseen / options_.unseen_drop), 0);
 }
 

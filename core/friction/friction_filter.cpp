@@ -29,6 +29,7 @@ void FrictionFilter::reset_evidence() noexcept {
   last_ns_ = 0;
   torque_ = false;
   normal_n_ = shear_n_ = 0;
+  load_ = {};
   mean_residual_ = 1;
 }
 
@@ -47,12 +48,14 @@ double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   posterior_.decorrelate(moved);
   posterior_.begin(seconds);
   const bool torque = frame.reading != nullptr && frame.reading->under_torque;
-  if (normal_n_ > 0 && !torque && !torque_) {
-    const double now = patch.shear_n / patch.normal_n;
-    if (const double fallen = shear_n_ / normal_n_ - now; fallen > 0)
-      weigh_drop({now, std::hypot(patch.shear_sigma_n, now * patch.normal_sigma_n) / patch.normal_n},
-                 fallen / likeliest(), seconds);
+  const double ratio = patch.shear_n / patch.normal_n;
+  const MeanSigma load{ratio, std::hypot(patch.shear_sigma_n, ratio * patch.normal_sigma_n) / patch.normal_n};
+  if (normal_n_ > 0 && !torque && !torque_ && load.mean < load_.mean) {
+    const double limit = likeliest();
+    weigh_drop(load, {(load_.mean - load.mean) / limit, std::hypot(load.sigma, load_.sigma) / limit},
+               seconds);
   }
+  load_ = load;
   torque_ = torque;
   last_ns_ = frame.time_ns;
   normal_n_ = patch.normal_n;
@@ -68,9 +71,9 @@ void FrictionFilter::bound_by_held() noexcept {
 
 // Loads are let go at speeds of an exponential distribution, which noise adds to: what is likeliest of both
 // together is Huber's function of the fall (1964). A fall of friction may be of any size.
-void FrictionFilter::weigh_drop(const MeanSigma& load, double fallen, double seconds) noexcept {
+void FrictionFilter::weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept {
   if (!(seconds > 0)) return;
-  const double noise = std::numbers::sqrt2 * load.sigma / likeliest();  // of a difference of two loads
+  const double fallen = drop.mean, noise = drop.sigma;
   const double usual = options_.unload_per_s * seconds, steep = noise / usual;
   const double nats =
       fallen < noise * steep ? 0.5 * square(fallen / noise) : fallen / usual - 0.5 * square(steep);

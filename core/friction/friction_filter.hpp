@@ -81,8 +81,9 @@ class FrictionFilter {
   // Coulomb: friction is at least the load that it holds.
   void bound_by_held() noexcept;
   // The load is less than it was a frame ago, > 0 s: it was let go, or friction has fallen to it. Forces
-  // alone do not tell, and their densities weigh one against the other. fallen: > 0, in friction limits.
-  virtual void weigh_drop(const MeanSigma& load, double fallen, double seconds) noexcept;
+  // alone do not tell, and their densities weigh one against the other. load: now; drop: in friction limits,
+  // > 0.
+  virtual void weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept;
   // Of a frame that friction is read from. residuals: see FrictionPosterior::weigh.
   void weigh_margin(std::span<const double> residuals, const Reading& reading, double offset_sigma,
                     double utilisation) noexcept;
@@ -102,6 +103,7 @@ class FrictionFilter {
  private:
   std::int64_t last_ns_ = 0;           // time of the frame before; 0 before the first
   double normal_n_ = 0, shear_n_ = 0;  // its forces
+  MeanSigma load_;                     // its |Q|/P
   bool torque_ = false;                // its shear was changed by a torque
   double mean_residual_ = 1;           // of the best friction, squared
 };

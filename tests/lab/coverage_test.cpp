@@ -54,6 +54,19 @@ TEST(SigmaOverAGrasp, AGripThatNobodyPullsHasAMargin) {
   }
 }
 
+// A thousand frames of noise, in which |Q|/P falls half of the time, show no friction that fell.
+TEST(SigmaOverAGrasp, OfFewTaxelsIsTrueWhileAGripCloses) {
+  lab::CoverageSetup setup;
+  setup.seed = 7;
+  setup.grasps = 12;
+  const lab::Coverage found =
+      measure_histories({lab::paper_chain(4, MethodChoice::fit, kNoise), nullptr}, setup);
+  const lab::CoverageTally& grip = found.by_phase.at("grip");
+  ASSERT_GT(grip.traced.answers(), 500);
+  EXPECT_GT(grip.answered(), 0.7);
+  EXPECT_GT(grip.traced.within(3), 0.98);
+}
+
 TEST(SigmaOverAGrasp, IsNeverZero) {
   for (const std::size_t side : {4U, 16U}) {
     for (const std::optional<double> friction : {std::optional<double>(), std::optional(0.6)}) {
