@@ -57,11 +57,14 @@ void FrictionPosterior::may_have_changed(double probability, double rises) noexc
 
 void FrictionPosterior::may_have_fallen_to(const MeanSigma& load, double probability) noexcept {
   if (!(load.mean > 0)) return;
-  const double width = std::hypot(load.sigma / load.mean, 0.5 * grid_.step());
+  const double step = grid_.step();
+  const double at = std::log(load.mean / grid_.friction(0)) / step;
+  const double width =
+      std::hypot(load.sigma / (load.mean * step), 0.5);  // a point stands for what lies about it
   PerFriction near;
   double sum = 0, most = 0;
   for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double off = std::log(grid_.friction(j) / load.mean) / width;
+    const double off = (static_cast<double>(j) - at) / width;
     near[j] = std::exp(-0.5 * off * off);
     sum += near[j];
     most = std::max(most, grid_.prior(j));
