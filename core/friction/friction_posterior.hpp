@@ -51,13 +51,9 @@ class FrictionPosterior {
   // Friction may be another one, with this probability, 0 … 1, and more than it was `rises` times as likely
   // as less.
   void may_have_changed(double probability, double rises = 1) noexcept;
-  // With this probability friction has just fallen to what the load shows now: the object slides.
+  // With this probability, 0 … 1, friction has just fallen to |Q|/P, `load`, with its sigma: the object
+  // slides. As much less likely as the scene expects it less.
   void may_have_fallen_to(const MeanSigma& load, double probability) noexcept;
-  // Point j is less likely by this factor, 0 … 1, whether friction has changed or not.
-  void scale(std::size_t j, double factor) noexcept {
-    same_[j] *= factor;
-    changed_[j] *= factor;
-  }
   // Coulomb: friction is at least the |Q|/P that it holds, with its sigma > 0. What held before is no
   // evidence again: of many frames alike the noisiest would decide.
   void bound_below(const MeanSigma& held) noexcept;
