@@ -52,8 +52,7 @@ void Goals::forget() {
 std::string Goals::trouble(std::int64_t now_ns) const {
   if (refused_)
     return "no goal can be sent: the action's server does not acknowledge those before, or memory is full; "
-           "look at "
-           "its node";
+           "look at its node";
   if (unlisted_.empty()) return {};
   const double since_s = static_cast<double>(now_ns - unlisted_.front().time_ns) / kNsPerSecond;
   if (since_s <= settings_.accept_s) return {};

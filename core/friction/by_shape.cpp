@@ -77,9 +77,13 @@ void FrictionByShape::lose_history(HistoryEvent why) noexcept {
   foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-double FrictionByShape::slip_moment_along_shear_n(std::size_t friction) const noexcept {
+// The slip moment, along the shear, of that friction's contact less that after a monotonic load.
+double FrictionByShape::beyond_monotonic_n(std::size_t friction, double load,
+                                           double normal_n) const noexcept {
+  const double mu = grid().friction(friction);
   return std::copysign(1.0, foundations_.shear_n(friction)) *
-         foundations_.shear_moments(friction).slip_moment_n;
+             foundations_.shear_moments(friction).slip_moment_n -
+         mu * normal_n * monotonic_slip_moment(1 - load / mu);
 }
 
 // Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
@@ -87,7 +91,7 @@ double FrictionByShape::slip_moment_along_shear_n(std::size_t friction) const no
 MeanSigma FrictionByShape::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
   const double mu = grid().friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
   const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
-  const double off_n = slip_moment_along_shear_n(friction) - limit_n * monotonic_slip_moment(gamma);
+  const double off_n = beyond_monotonic_n(friction, load, normal_n);
   const double resolved_n = options_.monotonic_share_of_limit * limit_n;
   const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
   const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
@@ -97,10 +101,9 @@ MeanSigma FrictionByShape::offset_of(std::size_t friction, double load, double n
 
 bool FrictionByShape::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid().likeliest();
-  const double mu = grid().friction(j), limit_n = mu * normal_n;
-  const double monotonic_n = limit_n * monotonic_slip_moment(1 - load / mu);
+  const double limit_n = grid().friction(j) * normal_n;
   grasp_.margin_offset = offset_of(j, load, normal_n);
-  return std::fabs(slip_moment_along_shear_n(j) - monotonic_n) <
+  return std::fabs(beyond_monotonic_n(j, load, normal_n)) <
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 

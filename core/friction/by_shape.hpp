@@ -53,7 +53,7 @@ class FrictionByShape final : public FrictionFilter {
   bool weigh_frame(const FrictionFrame& frame) noexcept;
   bool compare_margin(const ContactPatch& patch, const Reading& reading) noexcept;
   bool compare_moments(const ContactPatch& patch, const Reading& reading, bool followed_only) noexcept;
-  double slip_moment_along_shear_n(std::size_t friction) const noexcept;
+  double beyond_monotonic_n(std::size_t friction, double load, double normal_n) const noexcept;
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void verify(const FrictionFrame& frame, bool clear) noexcept;
 

@@ -29,7 +29,7 @@ void FrictionFilter::reset_evidence() noexcept {
   last_ns_ = 0;
   torque_ = false;
   normal_n_ = shear_n_ = 0;
-  load_ = {};
+  load_sigma_ = 0;
   mean_residual_ = 1;
 }
 
@@ -43,19 +43,19 @@ double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   traction_ratio_.update(patch);
   const double seconds =
       last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
+  const double friction = likeliest();
   const double moved = std::hypot((patch.normal_n - normal_n_) / patch.normal_n,
-                                  (patch.shear_n - shear_n_) / (likeliest() * patch.normal_n));
+                                  (patch.shear_n - shear_n_) / (friction * patch.normal_n));
   posterior_.decorrelate(moved);
   posterior_.begin(seconds);
   const bool torque = frame.reading != nullptr && frame.reading->under_torque;
   const double ratio = patch.shear_n / patch.normal_n;
   const MeanSigma load{ratio, std::hypot(patch.shear_sigma_n, ratio * patch.normal_sigma_n) / patch.normal_n};
-  if (normal_n_ > 0 && !torque && !torque_ && load.mean < load_.mean) {
-    const double limit = likeliest();
-    weigh_drop(load, {(load_.mean - load.mean) / limit, std::hypot(load.sigma, load_.sigma) / limit},
-               seconds);
+  if (normal_n_ > 0 && !torque && !torque_) {
+    const double drop = shear_n_ / normal_n_ - load.mean, sigma = std::hypot(load.sigma, load_sigma_);
+    if (drop > 0) weigh_drop(load, {drop / friction, sigma / friction}, seconds);
   }
-  load_ = load;
+  load_sigma_ = load.sigma;
   torque_ = torque;
   last_ns_ = frame.time_ns;
   normal_n_ = patch.normal_n;

@@ -103,7 +103,7 @@ class FrictionFilter {
  private:
   std::int64_t last_ns_ = 0;           // time of the frame before; 0 before the first
   double normal_n_ = 0, shear_n_ = 0;  // its forces
-  MeanSigma load_;                     // its |Q|/P
+  double load_sigma_ = 0;              // of its |Q|/P
   bool torque_ = false;                // its shear was changed by a torque
   double mean_residual_ = 1;           // of the best friction, squared
 };

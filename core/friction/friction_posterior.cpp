@@ -27,7 +27,9 @@ double weight_of(double squared) noexcept {
 
 FrictionPosterior::FrictionPosterior(const FrictionPrior& prior, std::size_t count,
                                      const FrictionPosteriorOptions& options)
-    : options_(options), grid_(prior, count, options.grid) {}
+    : options_(options), grid_(prior, count, options.grid) {
+  for (std::size_t j = 0; j < count; ++j) most_prior_ = std::max(most_prior_, grid_.prior(j));
+}
 
 void FrictionPosterior::reset() noexcept {
   grid_.reset();
@@ -49,30 +51,31 @@ void FrictionPosterior::begin(double seconds) noexcept {
 
 void FrictionPosterior::may_have_changed(double probability, double rises) noexcept {
   const std::size_t likeliest = grid_.likeliest();
-  for (std::size_t j = 0; j < grid_.count(); ++j) {
-    same_[j] *= 1 - probability;
-    changed_[j] += probability * ((j > likeliest ? rises : 1) * grid_.prior(j) - changed_[j]);
-  }
+  change(probability, [&](std::size_t j) { return (j > likeliest ? rises : 1) * grid_.prior(j); });
 }
 
 void FrictionPosterior::may_have_fallen_to(const MeanSigma& load, double probability) noexcept {
   if (!(load.mean > 0)) return;
   const double step = grid_.step();
   const double at = std::log(load.mean / grid_.friction(0)) / step;
-  const double width =
-      std::hypot(load.sigma / (load.mean * step), 0.5);  // a point stands for what lies about it
+  const double width = std::hypot(load.sigma / (load.mean * step), 0.5);  // a point stands for what is near
   PerFriction near;
-  double sum = 0, most = 0;
+  double sum = 0;
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double off = (static_cast<double>(j) - at) / width;
     near[j] = std::exp(-0.5 * off * off);
     sum += near[j];
-    most = std::max(most, grid_.prior(j));
   }
   if (!(sum > 0)) return;
+  change(probability, [&](std::size_t j) { return near[j] / sum * grid_.prior(j) / most_prior_; });
+}
+
+// to: how likely each friction is, if it has changed.
+template <class To>
+void FrictionPosterior::change(double probability, To to) noexcept {
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     same_[j] *= 1 - probability;
-    changed_[j] += probability * (near[j] / sum * grid_.prior(j) / most - changed_[j]);
+    changed_[j] += probability * (to(j) - changed_[j]);
   }
 }
 

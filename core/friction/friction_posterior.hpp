@@ -75,6 +75,8 @@ class FrictionPosterior {
   const FrictionGrid& grid() const noexcept { return grid_; }
 
  private:
+  template <class To>
+  void change(double probability, To to) noexcept;
   template <bool kWeighed>
   void take(Evidence by, std::span<const double> residual, double common, double noise) noexcept;
 
@@ -92,6 +94,7 @@ class FrictionPosterior {
 
   const FrictionPosteriorOptions options_;
   FrictionGrid grid_;
+  double most_prior_ = 0;  // of one point
   PerFriction same_{}, changed_{};
   PerFriction held_{};  // nats that a load which was held has taken from each friction
   std::array<bool, FrictionGrid::kMost> has_changed_{};
