@@ -43,7 +43,7 @@ void listen_for_orders(const std::string& path, DeviceSimulator& simulator) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Plays a simulated tactile device on a bus of this machine"};
-  std::string name, place, truth_file, control, script, serial = "SIM0001";
+  std::string name, place, truth_file, control, script, weights_file, serial = "SIM0001";
   std::vector<std::string> orders;
   double rate_hz = 0;
   bool with_pattern = false;
@@ -56,6 +56,8 @@ int main(int argc, char** argv) {
   app.add_option("--scans", scans, "quit after so many");
   app.add_option("--script", script, "a JSON file of driver sim's options: contact, cycle, noise");
   app.add_flag("--pattern", with_pattern, "no contact but a fixed pattern in which every taxel differs");
+  app.add_option("--weights", weights_file,
+                 "what lies on it, a file read before each scan: forces along x, y, normal (N), place (mm)");
   app.add_option("--truth", truth_file, "write what was sent here, a line of JSON a frame");
   app.add_option("--do", orders, "an order at a scan: '100 lose 3'");
   app.add_option("--control", control, "take orders as datagrams on this Unix socket");
@@ -78,7 +80,9 @@ int main(int argc, char** argv) {
     if (rate_hz <= 0) rate_hz = model->rate_hz;
     const auto options =
         script.empty() ? nlohmann::json::object() : nlohmann::json::parse(std::ifstream(script));
-    std::vector<Contact> contacts = with_pattern ? pattern(*model) : scripted(*model, rate_hz, options);
+    std::vector<Contact> contacts = with_pattern           ? pattern(*model)
+                                    : weights_file.empty() ? scripted(*model, rate_hz, options)
+                                                           : weights(*model, weights_file);
     DeviceSimulator simulator(*model, std::move(contacts), make_port(*model, place, serial),
                               truth_file.empty() ? nullptr : &truth);
     for (const std::string& order : orders) {
