@@ -170,6 +170,19 @@ class Tutorial(unittest.TestCase):
             checked = subprocess.run([program, "--config", settings, "--check-config"], capture_output=True, text=True)
             self.assertEqual(checked.returncode, 0, checked.stderr + checked.stdout)
 
+    def test_a_node_of_ros_2_hears_the_margin_and_grips_harder(self):
+        """With Fast DDS. rclpy itself is not in Debian: tests/tutorials/ros2 has as much of it as the page's node uses."""
+        if not (BUILD / "test-bin/fastdds-reader").exists():
+            self.skipTest("Fast DDS is not installed: tools/setup --peers")
+        domain, settings = str(1 + os.getpid() % 100), self.folder / "ros2.json"
+        settings.write_text(f'{{ "socket": "{self.socket}", "domain": {domain} }}', encoding="utf-8")
+        self.starts("simulator.md")
+        bridge = subprocess.Popen([BUILD / "bin/slipd-ros2", "--config", settings], env=self.environment, stderr=subprocess.DEVNULL)
+        self.addCleanup(bridge.wait, PATIENCE_S)
+        self.addCleanup(bridge.terminate)
+        self.environment |= {"ROS_DOMAIN_ID": domain, "PYTHONPATH": str(SOURCE / "tests/tutorials/ros2")}
+        self.runs_the_program("ros2.md", blocks("ros2.md", "text")[0])
+
     def test_the_first_sensor_of_a_program_is_zeroed_and_alerts(self):
         """docs/first-sensor.md: the configuration and the program of its section on programs, then its commands. The page leaves the SDK's
         `read` to the reader: here it is a pad with an offset, that is gripped once there is a zero, and then pulled."""

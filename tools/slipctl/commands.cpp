@@ -94,7 +94,7 @@ int keep_flight(const CommonOptions& common, const std::string& sensor) {
     if (!recorder.is_object()) throw ClientError("the flight recorder was switched off meanwhile");
     for (const json& one : recorder.value("last", json::array())) {
       for (std::size_t i = 0; i < names.size(); ++i) {
-        if (done[i] || one.value("sensor", "") != names[i] ||
+        if (done[i] || one.value("sensor", "") != names[i].get<std::string>() ||
             one.value("recording", std::uint64_t{0}) < numbers.at(i).get<std::uint64_t>())
           continue;
         done[i] = true;
