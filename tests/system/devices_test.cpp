@@ -107,7 +107,7 @@ TEST(Devices, EveryFrameAndGapIsAccountedForAtAnyMoment) {
     expect_closed(sensor_of(s, "left"));
     return sensor_of(s, "left")["state"] == "stale" && sensor_of(s, "left")["received"] == kFrames;
   });
-  const json& sensor = sensor_of(last, "left");
+  const json sensor = sensor_of(last, "left");
   EXPECT_EQ(sensor["gaps"], kFrames / 10);
   EXPECT_EQ(sensor["lost"], kFrames / 10);
   EXPECT_GE(sensor["corrupt"], kFrames / 7);

@@ -140,7 +140,7 @@ void compare_row(const std::map<std::string, std::string>& row, const json& live
       // The socket has null where there is no alert.
       EXPECT_EQ(field, key == "alert_cause" && value.is_null() ? "none"
                        : value.is_null()                       ? ""
-                                                               : value)
+                                                               : value.get<std::string>())
           << key;
     } else if (value.is_null()) {
       EXPECT_EQ(field, "") << key;
@@ -156,7 +156,7 @@ ros2::SlipEstimate message_of(const std::map<std::string, std::string>& row, con
   const auto number = [&](const char* key) {
     return row.at(key).empty() ? std::numeric_limits<double>::quiet_NaN() : std::stod(row.at(key));
   };
-  const auto code = [](const std::vector<std::string>& all, const json& name) {
+  const auto code = [](const std::vector<std::string>& all, const std::string& name) {
     return static_cast<std::uint8_t>(std::find(all.begin(), all.end(), name) - all.begin());
   };
   ros2::SlipEstimate message;

@@ -79,7 +79,7 @@ bool same_number(const DbcMessage& message, const char* signal, const Frame& fra
 
 bool same_word(const DbcMessage& message, const char* signal, const Frame& frame, const json& word) {
   const auto& defined = message.signals.at(signal);
-  return defined.values.at(defined.raw(frame.data)) == word;
+  return json(defined.values.at(defined.raw(frame.data))) == word;
 }
 
 bool same(const DbcMessage& message, const Frame& frame, const json& estimate) {

@@ -5,6 +5,7 @@
 // (to endpoint 0x01).
 #include <libusb-1.0/libusb.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
