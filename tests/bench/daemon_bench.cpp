@@ -1,6 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
 // line. Parts: latency, throughput, sensors, queries, startup, memory, idle, shared, push, each with its
-// floors; and, if they are named, growth and growth-goals (tools/growth).
+// floors; and, if they are named, growth and growth-goals (tools/growth), and stressed.
 // --brief: each for a moment only, as a test of the program.
 #include <signal.h>
 #include <sys/socket.h>
@@ -265,6 +265,7 @@ int run(const std::set<std::string>& parts) {
   }
   if (parts.count("growth") > 0) growth();
   if (parts.count("growth-goals") > 0) growth_goals();
+  if (parts.count("stressed") > 0) stressed();
   return 0;
 }
 

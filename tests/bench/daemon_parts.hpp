@@ -32,6 +32,9 @@ void push();
 void growth();
 void growth_goals();
 
+// From the sample to the shared memory, with and without real-time scheduling, alone and beside stress-ng.
+void stressed();
+
 // From the start of redis-server to its first answer.
 void redis_startup();
 

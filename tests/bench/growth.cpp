@@ -4,8 +4,6 @@
 // estimates, and the estimates alone.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
-#include <fcntl.h>
-#include <slipd.h>
 #include <time.h>
 
 #include <algorithm>
@@ -18,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "clients/c/board_view.hpp"
 #include "driver_api/driver.hpp"
+#include "tests/bench/board_watch.hpp"
 #include "tests/bench/daemon_parts.hpp"
 #include "tests/bench/running.hpp"
 #include "tests/bench/scenes.hpp"
@@ -32,7 +30,6 @@ using testing::TempFolder;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-constexpr double kAttachPatienceS = 10;
 constexpr std::size_t kLooksASecond = 100;  // at a sensor's record, at most
 constexpr int kEstimates = 4000;            // of the time of one, which is the median
 
@@ -73,35 +70,6 @@ ThreadTimes thread_times(pid_t pid) {
                     : task.path().filename().string() == std::to_string(pid) ? times.io_s
                                                                              : times.rest_s;
     sum_s += 1e-9 * ran_ns;
-  }
-  return times;
-}
-
-// slipd's shared memory, which libslipd has made it make: looked at without a system call of slipd's.
-UniqueFd shared_memory(pid_t pid) {
-  for (const auto& file : fs::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
-    std::error_code gone;
-    if (fs::read_symlink(file.path(), gone).string().find("slipd-board") == std::string::npos) continue;
-    UniqueFd fd(open(file.path().c_str(), O_RDONLY | O_CLOEXEC));
-    if (fd) return fd;
-  }
-  throw std::runtime_error("slipd has no shared memory");
-}
-
-// From the sample to the shared memory, ns, of estimates that are looked up at even times.
-std::vector<std::int64_t> sample(const client::BoardView& view, std::chrono::nanoseconds how_long) {
-  std::vector<std::int64_t> times;
-  std::vector<std::uint64_t> seen(view.slots());
-  const std::size_t looks = std::max<std::size_t>(1, 16 / view.slots()) * kLooksASecond;
-  const auto pause = std::chrono::nanoseconds(1s) / looks;
-  const auto until = std::chrono::steady_clock::now() + how_long;
-  for (auto due = std::chrono::steady_clock::now(); due < until; due += pause) {
-    std::this_thread::sleep_until(due);
-    for (std::size_t i = 0; i < view.slots(); ++i) {
-      const auto record = view.record(static_cast<int>(i));
-      if (std::exchange(seen[i], record.number) != record.number && record.time_ns > 0)
-        times.push_back(record.published_ns - record.time_ns);
-    }
   }
   return times;
 }
@@ -208,22 +176,19 @@ void measure(const Hand& hand, double one_estimate_us) {
   const Daemon daemon(config(folder, sensors_of(hand), "moments"), testing::trial_drivers(), state());
   wait_for_estimates(daemon, 20);
   const pid_t pid = daemon.program().pid();
-  slipd_client* client = nullptr;
-  slipd_open(&client, daemon.socket().c_str());
-  if (slipd_attach(client, "s0", kAttachPatienceS) != SLIPD_DONE)
-    throw std::runtime_error(slipd_error_text(client));
-  client::BoardView view;
-  if (const std::string why = view.map(shared_memory(pid)); !why.empty()) throw std::runtime_error(why);
+  BoardWatch watch(daemon, "s0");
 
   const json counts = counts_of(daemon);
   const ThreadTimes before = thread_times(pid);
   const std::int64_t begun_ns = now_ns();
-  const std::vector<std::int64_t> times = sample(view, how_long);
+  std::vector<std::int64_t> times;
+  for (const SeenEstimate& each :
+       watch.sample(how_long, kLooksASecond * std::max<std::size_t>(1, 16 / watch.sensors())))
+    times.push_back(each.published_ns - each.sample_ns);
   const double seconds = 1e-9 * static_cast<double>(now_ns() - begun_ns);
   const ThreadTimes after = thread_times(pid);
   const json counts_after = counts_of(daemon);
   const Usage usage = usage_of(pid);
-  slipd_close(client);
 
   const auto gained = [&](const char* name) {
     return counts_after[name].get<std::uint64_t>() - counts[name].get<std::uint64_t>();
