@@ -121,9 +121,15 @@ bool GelRelaxation::touches() const noexcept {
   return length_mm(row(std::span(history_), 0), rest_) >= options_.contact_mm;
 }
 
+// past_ and rest_ are means: their difference has this part of one picture's noise.
+bool GelRelaxation::was_held() const noexcept {
+  const auto now = static_cast<double>(options_.now_pictures), past = static_cast<double>(count_) - now;
+  return length_mm(past_, rest_) >= options_.contact_mm * std::sqrt(1 / now + 1 / past);
+}
+
 void GelRelaxation::judge() noexcept {
   average();
-  const bool held = length_mm(past_, rest_) >= options_.contact_mm;
+  const bool held = was_held();
   rest_seen_ = rest_seen_ || held || touches();
   if (rest_seen_) state_.contact = touches();
   state_.evidence = weigh();

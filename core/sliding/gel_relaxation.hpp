@@ -35,9 +35,10 @@ struct GelRelaxationOptions {
   // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts
   // show nothing. Chosen: what a dot at rest wanders by, 0.04 px or 2.5 um.
   double noise_mm = 0.003;
-  // Bend against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Too small: drift is a
-  // contact. Too large: weak contacts are none. Chosen: three times the bend
-  // that the noise of three dots makes.
+  // Bend of one picture against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Of means
+  // over pictures it is less, as their noise is. Too small: drift is a
+  // contact. Too large: weak contacts are none. Chosen: three times the bend that the noise of three dots
+  // makes.
   double contact_mm = 0.02;
   // Weight of the gel's return to its rest beside the fall of its bend; 0 … 1. Too small: a fall in a
   // changing grip counts like one to rest. Too large: a light touch of a gel at rest counts like a hold. By
@@ -90,6 +91,7 @@ class GelRelaxation {
   double most_now_mm(std::span<const float> from) const noexcept;
   double weigh() const noexcept;
   bool touches() const noexcept;
+  bool was_held() const noexcept;
   void judge() noexcept;
 
   const TaxelLayout layout_;
