@@ -14,7 +14,7 @@ namespace slipd {
 namespace {
 
 constexpr std::size_t kGelColumns = 9, kGelRows = 7;
-constexpr double kPicture_s = 0.04, kDotNoise_mm = 0.0025;
+constexpr double kPicture_s = 1.0 / 25, kSlowPicture_s = 1.0 / 18, kDotNoise_mm = 0.0025;
 
 // Displacement in mm at a place in mm.
 struct Moved {
@@ -47,7 +47,10 @@ Field turned(double rad) {
 
 class Gel {
  public:
-  Gel() : layout_(TaxelLayout::grid(kGelColumns, kGelRows, 0.0018)), relaxation_(layout_) {}
+  explicit Gel(double picture_s = kPicture_s)
+      : layout_(TaxelLayout::grid(kGelColumns, kGelRows, 0.0018)),
+        relaxation_(layout_),
+        picture_s_(picture_s) {}
 
   GelRelaxation& relaxation() { return relaxation_; }
   // Shows the field for so many pictures; whether a slide was told in any of them.
@@ -72,7 +75,7 @@ class Gel {
       x[i] = gone ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(moved.x + noise(random_));
       y[i] = gone ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(moved.y + noise(random_));
     }
-    time_s_ += kPicture_s;
+    time_s_ += picture_s_;
     state_ = relaxation_.update(
         {.time_ns = std::llround(1e9 * time_s_), .normal_pa = change, .shear_x_pa = x, .shear_y_pa = y});
   }
@@ -80,6 +83,7 @@ class Gel {
   TaxelLayout layout_;
   GelRelaxation relaxation_;
   std::mt19937 random_{7};
+  const double picture_s_;
   double time_s_ = 0;
   GelState state_;
 };
@@ -89,6 +93,22 @@ TEST(GelRelaxation, NoContactIsNoSlide) {
   EXPECT_FALSE(gel.slides_in(200, unmoved));
   EXPECT_NE(gel.state().contact, std::optional(true));
   EXPECT_LT(gel.state().evidence, 0.5);
+}
+
+TEST(GelRelaxation, AWeakContactThatIsLostIsASlideThoughOnePictureWouldNotShowTheContact) {
+  Gel gel;
+  gel.slides_in(40, unmoved);
+  EXPECT_FALSE(gel.slides_in(60, bulge(0.06)));
+  EXPECT_NE(gel.state().contact, std::optional(true));
+  EXPECT_TRUE(gel.slides_in(20, unmoved));
+}
+
+TEST(GelRelaxation, ACameraThatComesToEighteenPicturesOfTwentyFiveTellsTheSame) {
+  Gel gel(kSlowPicture_s);
+  EXPECT_FALSE(gel.slides_in(40, unmoved));
+  EXPECT_FALSE(gel.slides_in(60, bulge(0.3)));
+  EXPECT_TRUE(gel.slides_in(20, unmoved));
+  EXPECT_EQ(gel.state().contact, false);
 }
 
 TEST(GelRelaxation, AHeldObjectIsAContactAndNoSlide) {

@@ -69,6 +69,15 @@ awaits "slipd-camera says so" grep -q "/dev/video9: sends no pictures" camera.lo
 order /tmp/camera go
 awaits "and works again" displaced 0 0.05
 
+# Fewer pictures than the profile says, as where the light is poor: 18 for each 25.
+order /tmp/camera rate 7.2
+order /tmp/camera press 8 0
+awaits "a gel that is held" eval 'awk -v d="$(of gel displacement_mm)" "BEGIN { exit !(d > 0.2 && d < 0.8) }"'
+before=$(of gel seq)
+awaits "for thirty pictures" eval '(($(of gel seq) > before + 30))'
+order /tmp/camera press 0 0
+awaits "slips away, and is told" is gel alert slip
+
 # Formats and controls, by the kernel's test driver.
 for format in yuyv grey; do
   slipd-camera --device /dev/video8 --profile ./$format.json --frames $format.frames --pictures 5 || fail "pictures in $format"
