@@ -44,6 +44,7 @@ eval "$(block sh 3 | grep rebias)" | grep -q 'pad: zeroed' || fail "no zero"
 awaits "a zero" eval 'as alice slipctl gamma pad | grep -q no_contact'
 
 # Calibration asks for one weight after the other: who is told lays it there. 200 g are 1.961 N, 100 g 0.981 N, and the pad reads twice.
+received() { as alice slipctl --json status | grep -o '"received":[0-9]*' | head -n 1 | cut -d: -f2; }
 calibrates() {
   local step loads=("0 0 0 0 0" "0 0 $1 0 0" "$2 0 1 0 0" "0 $2 1 0 0" "0 0 $1 -7.05 -7.05" "0 0 $1 7.05 -7.05")
   rm -f /run/keys
@@ -52,9 +53,11 @@ calibrates() {
   as alice $(block sh 4) </run/keys >factors 2>asked &
   exec 9>/run/keys
   for step in "${!loads[@]}"; do
-    awaits "calibration asks for step $((step + 1))" eval "[[ \$(grep -o 'then press Enter\|Then press Enter' asked | wc -l) -gt $step ]]"
+    awaits "calibration asks for step $((step + 1))" eval "[[ \$(grep -o 'Then press Enter' asked | wc -l) -gt $step ]]"
     echo "${loads[step]}" >load.new
     mv load.new load
+    before=$(received)
+    awaits "the weight lies there" eval '(($(received) > before + 2))'
     echo >&9
   done
   wait $! || { cat asked factors; fail "slipctl calibrate"; }
