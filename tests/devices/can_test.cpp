@@ -12,9 +12,9 @@
 namespace slipd::devices {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class CanDevice : public testing::Test {
+class CanDevice : public ::testing::Test {
  protected:
   CanDevice() {
     int pair[2];

@@ -6,7 +6,11 @@
 #include <sys/socket.h>
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
+#include <vector>
+
+#include "tests/support/temp_folder.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -69,6 +73,44 @@ TEST(Truth, IsTheSameForEverySensorOfADevice) {
   EXPECT_EQ(said[99]["sensor"], 1);
   EXPECT_NEAR(said[99]["normal_n"].get<double>(), 2, 1e-4);
   EXPECT_EQ(said[98]["gamma"], said[99]["gamma"]);
+}
+
+// Forces of a frame in N, and where the normal one acts, mm.
+struct Felt {
+  double x_n = 0, y_n = 0, normal_n = 0, at_x_mm = 0;
+};
+
+Felt felt(const Contact& contact, const TaxelLayout& layout) {
+  std::vector<float> memory(3 * layout.size());
+  const std::span all(memory);
+  FrameSlot slot;
+  slot.normal_pa = all.subspan(0, layout.size());
+  slot.shear_x_pa = all.subspan(layout.size(), layout.size());
+  slot.shear_y_pa = all.subspan(2 * layout.size(), layout.size());
+  contact(slot);
+  Felt sums;
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    const double normal_n = slot.normal_pa[i] * layout.area_m2();
+    sums.x_n += slot.shear_x_pa[i] * layout.area_m2();
+    sums.y_n += slot.shear_y_pa[i] * layout.area_m2();
+    sums.normal_n += normal_n;
+    sums.at_x_mm += 1e3 * layout.x_m()[i] * normal_n;
+  }
+  sums.at_x_mm /= sums.normal_n;
+  return sums;
+}
+
+TEST(Weights, LieWhereTheirFileSaysFromTheNextScanOn) {
+  const testing::TempFolder folder;
+  const Contact contact = weights(xela_xr1944(), folder.file("load")).at(0);
+  constexpr double kFiveSigmasN = 0.1;
+  EXPECT_NEAR(felt(contact, xela_xr1944().layout).normal_n, 0, kFiveSigmasN);
+  folder.write("load", "0.5 -1 4 -7.05 -7.05");
+  const Felt loaded = felt(contact, xela_xr1944().layout);
+  EXPECT_NEAR(loaded.x_n, 0.5, kFiveSigmasN);
+  EXPECT_NEAR(loaded.y_n, -1, kFiveSigmasN);
+  EXPECT_NEAR(loaded.normal_n, 4, kFiveSigmasN);
+  EXPECT_LT(loaded.at_x_mm, -4);
 }
 
 }  // namespace

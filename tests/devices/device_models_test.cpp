@@ -10,8 +10,8 @@
 namespace slipd::devices {
 namespace {
 
-using testing::ElementsAre;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
 
 // One scan of the contact `pattern`, at scan 0x12 and 0x3456 µs.
 std::vector<Packet> scan_of(const DeviceModel& model) {
@@ -36,8 +36,8 @@ Bytes part(const Bytes& bytes, std::size_t at, std::size_t size) {
 }
 
 // A scan has the same length for a sensor at rest and for one beyond every limit.
-class EveryDevice : public testing::TestWithParam<const DeviceModel*> {};
-INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(all_models()), [](const auto& tested) {
+class EveryDevice : public ::testing::TestWithParam<const DeviceModel*> {};
+INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, ::testing::ValuesIn(all_models()), [](const auto& tested) {
   std::string name(tested.param->name);
   std::ranges::replace(name, '-', '_');
   return name;

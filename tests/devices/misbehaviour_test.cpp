@@ -10,7 +10,7 @@ namespace slipd::devices {
 namespace {
 
 using Kind = Misbehaviour::Kind;
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 const std::vector<Packet> kScan{{1, {10, 11}}, {2, {20, 21}}, {3, {30, 31}}};
 
@@ -33,7 +33,7 @@ TEST(Misbehaviour, RefusesWhatItDoesNotKnowAndSaysWhatItDoes) {
       Misbehaviour::parse(wrong);
       ADD_FAILURE() << "'" << wrong << "' was taken";
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("lose, reorder, repeat")) << wrong;
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("lose, reorder, repeat")) << wrong;
     }
   }
 }
@@ -55,7 +55,7 @@ TEST(Misbehaviour, MakesAPartNoiseOfTheSameLength) {
   const auto scan = distorted(Kind::garbage);
   EXPECT_EQ(scan[1].bytes.size(), kScan[1].bytes.size());
   EXPECT_NE(scan[1].bytes, kScan[1].bytes);
-  EXPECT_THAT(scan, ElementsAre(kScan[0], testing::_, kScan[2]));
+  EXPECT_THAT(scan, ElementsAre(kScan[0], ::testing::_, kScan[2]));
 }
 
 TEST(Misbehaviour, GivesAPartTheWrongLength) {

@@ -12,7 +12,7 @@
 namespace slipd::devices {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 struct Closes {
   void operator()(modbus_t* it) const {
@@ -116,7 +116,7 @@ TEST(ModbusTcp, OfTheWrongLengthIsAnException) {
 }
 
 TEST(ModbusRtu, AnswersOnAPseudoTerminal) {
-  const std::string link = testing::TempDir() + "/slipd-ft300-" + std::to_string(::getpid());
+  const std::string link = ::testing::TempDir() + "/slipd-ft300-" + std::to_string(::getpid());
   Running device(robotiq_ft300(), make_modbus_pty_port(robotiq_ft300(), link));
   const Client client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9);
   ASSERT_TRUE(client) << modbus_strerror(errno);
@@ -126,7 +126,7 @@ TEST(ModbusRtu, AnswersOnAPseudoTerminal) {
 }
 
 TEST(ModbusRtu, GoesAwayWhenUnpluggedAndIsThereAgain) {
-  const std::string link = testing::TempDir() + "/slipd-ft300-unplugged-" + std::to_string(::getpid());
+  const std::string link = ::testing::TempDir() + "/slipd-ft300-unplugged-" + std::to_string(::getpid());
   Running device(robotiq_ft300(), make_modbus_pty_port(robotiq_ft300(), link));
   Client client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9);
   ASSERT_TRUE(client);
@@ -140,7 +140,7 @@ TEST(ModbusRtu, GoesAwayWhenUnpluggedAndIsThereAgain) {
 }
 
 TEST(ModbusRtu, IsDeafToOtherUnits) {
-  const std::string link = testing::TempDir() + "/slipd-ft300-other-" + std::to_string(::getpid());
+  const std::string link = ::testing::TempDir() + "/slipd-ft300-other-" + std::to_string(::getpid());
   Running device(robotiq_ft300(), make_modbus_pty_port(robotiq_ft300(), link));
   const Client client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 10);
   ASSERT_TRUE(client);

@@ -7,10 +7,10 @@
 namespace slipd::devices {
 namespace {
 
-using testing::ElementsAre;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
 
-class Requests : public testing::TestWithParam<const DeviceModel*> {
+class Requests : public ::testing::TestWithParam<const DeviceModel*> {
  protected:
   std::optional<Bytes> descriptor(std::uint8_t type, std::uint8_t index) {
     return control({0x80, 6, index, type, 0, 0, 255, 0});
@@ -20,7 +20,7 @@ class Requests : public testing::TestWithParam<const DeviceModel*> {
   HostState host_state_;
   UsbRequests requests_{*GetParam(), host_state_, "S1"};
 };
-INSTANTIATE_TEST_SUITE_P(Devices, Requests, testing::Values(&takktile(), &papillarray(), &robotiq_tsf85()),
+INSTANTIATE_TEST_SUITE_P(Devices, Requests, ::testing::Values(&takktile(), &papillarray(), &robotiq_tsf85()),
                          [](const auto& tested) {
                            std::string name(tested.param->name);
                            std::erase(name, '-');

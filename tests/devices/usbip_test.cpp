@@ -11,12 +11,12 @@
 namespace slipd::devices {
 namespace {
 
-using testing::ElementsAre;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
 
 constexpr std::uint32_t kOut = 0, kIn = 1;
 
-class UsbipDevice : public testing::Test {
+class UsbipDevice : public ::testing::Test {
  protected:
   void SetUp() override { attach(); }
 
