@@ -2,14 +2,14 @@
 // scheduling, alone and beside stress-ng, which keeps every processor, the caches, the kernel and the memory
 // busy.
 #include <sched.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <csignal>
-#include <cstring>
+#include <exception>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/bench/board_watch.hpp"
 #include "tests/bench/daemon_parts.hpp"
@@ -30,28 +30,28 @@ constexpr int kWatchPriority = 70;  // above slipd's 60: it sleeps nearly always
 // stress-ng until it is destroyed: two of each kind for every processor.
 class Load {
  public:
-  Load() {
-    const std::string workers = std::to_string(2 * std::thread::hardware_concurrency());
-    std::vector<std::string> words{"stress-ng",  "--quiet",  "--cpu",   workers, "--cache",
-                                   workers,      "--switch", workers,   "--vm",  "2",
-                                   "--vm-bytes", "256M",     "--timer", "1"};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    const int failed = posix_spawnp(&pid_, "stress-ng", nullptr, nullptr, arguments.data(), environ);
-    if (failed != 0)
-      throw std::runtime_error(std::string("stress-ng: ") + std::strerror(failed) +
-                               "; tools/setup --bench installs it");
-  }
+  explicit Load(const TempFolder& folder) : program_(folder, "stress-ng", command()) {}
   Load(const Load&) = delete;
   Load& operator=(const Load&) = delete;
   ~Load() {
-    kill(pid_, SIGTERM);
-    waitpid(pid_, nullptr, 0);
+    program_.signal(SIGTERM);
+    program_.wait();
+  }
+
+  // Throws std::runtime_error if it has ended.
+  void demand_that_it_runs() {
+    if (program_.wait(0ms))
+      throw std::runtime_error("stress-ng ended: " + program_.errors() + "; tools/setup --bench installs it");
   }
 
  private:
-  pid_t pid_ = 0;
+  static std::vector<std::string> command() {
+    const std::string workers = std::to_string(2 * std::thread::hardware_concurrency());
+    return {"/usr/bin/env", "stress-ng", "--quiet", "--cpu",      workers, "--cache", workers, "--switch",
+            workers,        "--vm",      "2",       "--vm-bytes", "256M",  "--timer", "1"};
+  }
+
+  testing::Program program_;
 };
 
 void watch_as_real_time() {
@@ -72,7 +72,7 @@ void measure_beside(bool real_time, bool loaded) {
   wait_for_estimates(daemon, 100);
   BoardWatch watch(daemon, "left");
   std::optional<Load> load;
-  if (loaded) load.emplace();
+  if (loaded) load.emplace(folder);
   const auto how_long = std::chrono::nanoseconds(length(60s));
   const json before = sensor_of(daemon);
   std::vector<SeenEstimate> estimates;
@@ -86,6 +86,7 @@ void measure_beside(bool real_time, bool loaded) {
     }
   }).join();
   if (failed) std::rethrow_exception(failed);
+  if (load) load->demand_that_it_runs();
   const json after = sensor_of(daemon);
 
   std::vector<std::int64_t> times, apart;

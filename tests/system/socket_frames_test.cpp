@@ -80,11 +80,9 @@ class SocketOfASilentSensor : public ::testing::Test {
     daemon_.wait_for("status", [](const json& r) { return r["sensors"][0]["received"] >= kFrames; });
   }
   static json config(const TempFolder& folder) {
-    const json sensor{{"name", "left"},
-                      {"driver", "trial"},
-                      {"stale_after_ms", 60'000},  // never: its last frame stays a good one
-                      {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}},
-                      {"options", {{"behaviour", "silent"}, {"after", kFrames}}}};
+    const json sensor = trial_sensor("left", {{"behaviour", "silent"}, {"after", kFrames}},
+                                     {{"stale_after_ms", 60'000},  // never: its last frame stays a good one
+                                      {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}});
     return config_with(folder, json::array({sensor}));
   }
 

@@ -180,7 +180,7 @@ class Tutorial(unittest.TestCase):
         bridge = subprocess.Popen([BUILD / "bin/slipd-ros2", "--config", settings], env=self.environment, stderr=subprocess.DEVNULL)
         self.addCleanup(bridge.wait, PATIENCE_S)
         self.addCleanup(bridge.terminate)
-        self.environment |= {"ROS_DOMAIN_ID": domain, "PYTHONPATH": str(SOURCE / "tests/tutorials/ros2")}
+        self.environment |= {"ROS_DOMAIN_ID": domain, "PYTHONPATH": f"{SOURCE}/tests/tutorials/ros2:{SOURCE}/tests/support"}
         self.runs_the_program("ros2.md", blocks("ros2.md", "text")[0])
 
     def test_the_first_sensor_of_a_program_is_zeroed_and_alerts(self):

@@ -1,8 +1,9 @@
-"""slipd-feed-ros2 between publishers of Fast DDS and the real slipd. The messages' bytes are made here, by the rules of CDR alone."""
+"""slipd-feed-ros2 between publishers of Fast DDS and the real slipd. The messages' bytes are made here, by tests/support/cdr.py."""
 import json, math, os, signal, struct, subprocess, sys, tempfile, time, unittest
 
 import slipd
 from awaiting import PATIENCE_S, await_true
+from cdr import CdrWriter
 from margins_of_messages import MARGIN_ERROR, OLD_S, MarginsOfMessages
 
 sys.path.insert(0, os.path.join(os.environ["SLIPD_SOURCE_DIR"], "tests", "clients"))
@@ -15,38 +16,9 @@ TOPIC = "/left/taxels"
 INT16, FLOAT32, FLOAT64 = 3, 7, 8  # of sensor_msgs/PointField
 
 
-class Cdr:
-    """Bytes of a message: XCDR version 1 (OMG XTypes 1.3, 7.4), little-endian unless it is said."""
-
-    def __init__(self, big=False):
-        self.bytes, self.order = bytearray(), ">" if big else "<"
-
-    def put(self, code, *values):
-        size = struct.calcsize(code)
-        for value in values:
-            self.bytes += bytes(-len(self.bytes) % size) + struct.pack(self.order + code, value)
-        return self
-
-    def text(self, text):
-        self.put("I", len(text) + 1)
-        self.bytes += text.encode() + b"\0"
-        return self
-
-    def blob(self, data):
-        self.put("I", len(data))
-        self.bytes += data
-        return self
-
-    def header(self, stamp_s, frame_id="finger"):
-        return self.put("i", int(stamp_s)).put("I", int(stamp_s % 1 * 1e9)).text(frame_id)
-
-    def message(self):
-        return (b"\0\0\0\0" if self.order == ">" else b"\0\1\0\0") + bytes(self.bytes)
-
-
 def array(frame, dims=(), data_offset=0, big=False, values=None):
     values = [value for taxel in frame for value in taxel] if values is None else values
-    cdr = Cdr(big).put("I", len(dims))
+    cdr = CdrWriter(big).put("I", len(dims))
     for label, size in dims:
         cdr.text(label).put("I", size, 0)
     cdr.put("I", data_offset, len(values))
@@ -58,7 +30,7 @@ def cloud(frame, stamp_s=None, big=False, padding=0, points=None, fields=(("y", 
           frame_id="finger", code="f"):
     """Rows of SIDE points, each of x, something else, y and z."""
     order = ">" if big else "<"
-    cdr = Cdr(big).header(time.time() if stamp_s is None else stamp_s, frame_id).put("I", SIDE, SIDE, len(fields))
+    cdr = CdrWriter(big).header(time.time() if stamp_s is None else stamp_s, frame_id).put("I", SIDE, SIDE, len(fields))
     for name, offset in fields:
         cdr.text(name).put("I", offset).put("B", kind).put("I", 1)
     step = struct.calcsize(f"<4{code}")
@@ -69,7 +41,7 @@ def cloud(frame, stamp_s=None, big=False, padding=0, points=None, fields=(("y", 
 
 
 def wrench(force, stamp_s=None, frame_id="wrist"):
-    return Cdr().header(time.time() if stamp_s is None else stamp_s, frame_id).put("d", *force, 0.0, 0.0, 0.0).message()
+    return CdrWriter().header(time.time() if stamp_s is None else stamp_s, frame_id).put("d", *force, 0.0, 0.0, 0.0).message()
 
 
 class Publisher:

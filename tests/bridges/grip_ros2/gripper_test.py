@@ -1,5 +1,5 @@
-"""slipd-grip-ros2 between the lines of slipd-grip and a gripper's action on Fast DDS. The messages' bytes are read and made here, by the
-rules of CDR alone (OMG XTypes 1.3, 7.4): little-endian, numbers aligned to their size behind a header of four bytes."""
+"""slipd-grip-ros2 between the lines of slipd-grip and a gripper's action on Fast DDS. The messages' bytes are read and made here and in
+tests/support/cdr.py, by the rules of CDR alone."""
 import json
 import os
 import queue
@@ -12,6 +12,7 @@ import threading
 import unittest
 
 from awaiting import PATIENCE_S, await_true
+from cdr import CdrReader, CdrWriter
 from grip_bed import Programs
 
 BUILD = os.environ["SLIPD_BINARY_DIR"]
@@ -24,43 +25,22 @@ def aligned(body, size):
     return body + bytes(-len(body) % size)
 
 
-class Joints:
-    """Reads a sensor_msgs/JointState."""
-
-    def __init__(self, body, at):
-        self.body, self.at = body, at
-
-    def number(self, code):
-        size = struct.calcsize(code)
-        self.at += -self.at % size
-        value, = struct.unpack_from("<" + code, self.body, self.at)
-        self.at += size
-        return value
-
-    def text(self):
-        length = self.number("I")
-        text = self.body[self.at:self.at + length - 1].decode()
-        self.at += length
-        return text
-
-    def read(self):
-        self.number("i"), self.number("I"), self.text()
-        names = [self.text() for _ in range(self.number("I"))]
-        position, velocity, effort = ([self.number("d") for _ in range(self.number("I"))] for _ in range(3))
-        assert velocity == [] and self.at == len(aligned(self.body[:self.at], 1))
-        return names, position, effort
+def read_joints(cdr):
+    """Names, positions and efforts of a sensor_msgs/JointState."""
+    cdr.number("i"), cdr.number("I"), cdr.text()
+    names = [cdr.text() for _ in range(cdr.number("I"))]
+    position, velocity, effort = ([cdr.number("d") for _ in range(cdr.number("I"))] for _ in range(3))
+    assert velocity == [] and cdr.at <= len(cdr.body)
+    return names, position, effort
 
 
 def joints(names, position, effort):
-    body = struct.pack("<iI", 0, 0) + struct.pack("<I", 1) + b"\0"
-    body = aligned(body, 4) + struct.pack("<I", len(names))
+    cdr = CdrWriter().header(0, "").put("I", len(names))
     for name in names:
-        body = aligned(body, 4) + struct.pack("<I", len(name) + 1) + name.encode() + b"\0"
+        cdr.text(name)
     for numbers in (position, [], effort):
-        body = aligned(body, 4) + struct.pack("<I", len(numbers))
-        if numbers:
-            body = aligned(body, 8) + struct.pack(f"<{len(numbers)}d", *numbers)
-    return body
+        cdr.put("I", len(numbers)).put("d", *numbers)
+    return bytes(cdr.bytes)
 
 
 class Gripper:
@@ -85,7 +65,7 @@ class Gripper:
             if self.kind == "GripperCommand":
                 self.goals.put(struct.unpack_from("<dd", body, 16))
             else:
-                names, position, effort = Joints(body, 16).read()
+                names, position, effort = read_joints(CdrReader(body, 16))
                 self.goals.put((*position, *effort, *names))
             if self.state is not None:
                 self.list(goal, self.state)

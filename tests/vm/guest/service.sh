@@ -19,6 +19,7 @@ people() {  # alice is a member of group slipd, mallory is nobody in particular
 }
 as() { runuser -u "$1" -- "${@:2}"; }
 
+estimates() { as alice slipctl --json status | grep -q '"estimated":[1-9]'; }
 serves() { as alice slipctl --json gamma; }
 property() { systemctl show -P "$1" "${2:-slipd.service}"; }
 why() { journalctl --no-pager -o cat -u slipd.service | tail -n 40; }

@@ -1,31 +1,18 @@
-"""Messages by the package's own definitions (.msg), decoded by the rules of CDR (little endian, each number at a multiple of its size)."""
-import os, pathlib, struct
+"""Messages by the package's own definitions (.msg), decoded from CDR."""
+import os, pathlib
+
+from cdr import CdrReader
 
 NUMBERS = {"bool": "?", "uint8": "B", "int32": "i", "uint32": "I", "uint64": "Q", "float64": "d"}
 OTHERS = {"std_msgs/Header": [("int32", "sec"), ("uint32", "nanosec"), ("string", "frame_id")]}
 
 
-class Cdr:
-    def __init__(self, payload):
-        assert payload[:2] == b"\0\1", "plain CDR, little endian"
-        self.bytes, self.at = payload[4:], 0
-
-    def number(self, code):
-        size = struct.calcsize(code)
-        self.at += -self.at % size
-        value, = struct.unpack_from("<" + code, self.bytes, self.at)
-        self.at += size
-        return value
-
-    def value(self, kind):
-        if kind == "string":
-            length = self.number("I")
-            text = self.bytes[self.at:self.at + length - 1].decode()
-            self.at += length
-            return text
-        if kind in OTHERS:
-            return {name: self.value(inner) for inner, name in OTHERS[kind]}
-        return self.number(NUMBERS[kind])
+def value(cdr, kind):
+    if kind == "string":
+        return cdr.text()
+    if kind in OTHERS:
+        return {name: value(cdr, inner) for inner, name in OTHERS[kind]}
+    return cdr.number(NUMBERS[kind])
 
 
 def message(name):
@@ -34,16 +21,17 @@ def message(name):
     fields, constants = [], {"DDS_NAME": f"slipd_msgs::msg::dds_::{name}_"}
     for line in filter(None, lines):
         kind, named = line
-        constant, _, value = named.partition("=")
-        if value:
-            constants[constant] = int(value)
+        constant, _, number = named.partition("=")
+        if number:
+            constants[constant] = int(number)
         else:
             fields.append((kind, named))
 
     def of(payload):
-        cdr, made = Cdr(payload), kind_of_message()
+        assert payload[:2] == b"\0\1", "plain CDR, little-endian"
+        cdr, made = CdrReader(payload[4:]), kind_of_message()
         for kind, field in fields:
-            setattr(made, field, cdr.value(kind))
+            setattr(made, field, value(cdr, kind))
         return made
 
     kind_of_message = type(name, (), constants | {"of": staticmethod(of)})
