@@ -1,6 +1,6 @@
 # Shared by the tests of the service: the packages, a user in the group, and requests.
 PATH=${PATH#/build/bin:/build/test-bin:}  # the installed programs, not those of the build tree
-packages=/source/build/packages
+packages=/source/build/${PACKAGES:-packages}
 config=/etc/slipd/slipd.json
 
 installs() {  # NAME…
