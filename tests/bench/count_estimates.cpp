@@ -1,4 +1,4 @@
-// count-estimates METHOD SIDE FRAMES: the whole chain over so many frames of one simulated grasp after another. It measures
+// count-estimates METHOD SIDE FRAMES: the whole chain over so many frames of a simulated grasp; prints how many got a margin. It measures
 // nothing itself: tools/instructions counts what two runs of different length execute.
 #include <cstdlib>
 #include <iostream>
@@ -16,7 +16,7 @@ int estimate(const std::string& method, std::size_t side, std::size_t frames) {
   slipd::EstimatorChain chain(setup, slipd::needs_model(setup) ? model_of(setup) : nullptr);
   Grasp grasp(side, kFramesOfGrasp);
   std::size_t answered = 0;
-  for (std::size_t i = 0; i < frames; ++i) answered += chain.estimate(grasp.next()).gamma >= 0 ? 1 : 0;
+  for (std::size_t i = 0; i < frames; ++i) answered += chain.estimate(grasp.next()).state == slipd::State::ok ? 1 : 0;
   std::cout << answered << '\n';
   return EXIT_SUCCESS;
 }

@@ -84,16 +84,25 @@ Frames::Frames(const ChainSetup& setup, std::size_t count) : memory_(3 * setup.l
   }
 }
 
+namespace {
+constexpr double kLeastForce_n = 1, kMostForce_n = 3, kMostLoad = 0.8;  // the last: 1 - Gamma
+}
+
 Grasp::Grasp(std::size_t side, std::size_t count) : memory_(3 * side * side * count) {
   sim::SensorSettings settings;
   settings.imperfections.noise = 0.02;
-  sim::Phase grip, load;
-  grip.duration_ns = load.duration_ns = static_cast<std::int64_t>(count) * 500'000;
-  grip.normal_n = sim::Ramp{0.5, 3};
-  grip.shear_n = sim::Ramp{0, 0};
-  grip.friction = 0.5;
-  load.load = sim::Ramp{0, 0.9};
-  settings.cycle = {grip, load};
+  // Ends as it began, so that it goes on for ever as one grasp: a load that came from nowhere would be a fault of the sensor.
+  sim::Phase press, load, unload, ease;
+  for (sim::Phase* const phase : {&press, &load, &unload, &ease}) {
+    phase->duration_ns = static_cast<std::int64_t>(count) * 250'000;
+    phase->normal_n = sim::Ramp{kMostForce_n, kMostForce_n};
+    phase->friction = 0.5;
+  }
+  press.normal_n = sim::Ramp{kLeastForce_n, kMostForce_n};
+  ease.normal_n = sim::Ramp{kMostForce_n, kLeastForce_n};
+  load.load = sim::Ramp{0, kMostLoad};
+  unload.load = sim::Ramp{kMostLoad, 0};
+  settings.cycle = {press, load, unload, ease};
   sim::SimulatedSensor sensor(pad(side), settings);
   std::vector<float> one(3 * side * side);
   const std::span all(one);
