@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "config/convert.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 namespace {
@@ -188,7 +189,7 @@ class SensorConverter {
     const double low_m = metres_of_mm(in[0]), high_m = metres_of_mm(in[1]);
     if (low_m > high_m) return add(at, in, "falls; expected [low, high] with low not above high");
     s.setup.skin_depth_m = low_m == high_m ? low_m : std::sqrt(low_m * high_m);
-    s.skin_depth_sigma = std::log(high_m / low_m) / (2 * kMostDepthSigmas);
+    s.skin_depth_sigma = std::log(high_m / low_m) / (2 * kClearSigmas);
   }
 
   // The default depends on the rate and so cannot be in the schema: a slow sensor must not become stale

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -135,7 +137,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
   const double slope_sigma =
       std::sqrt(std::max(scatter, options_.independent_share * sigma * sigma) / spread);
-  if (slope > -options_.clear_sigmas * slope_sigma || slope > -options_.min_rate_per_s) return std::nullopt;
+  if (slope > -kClearSigmas * slope_sigma || slope > -options_.min_rate_per_s) return std::nullopt;
   return std::max(0.0, *gamma / -slope);
 }
 

@@ -82,9 +82,6 @@ struct SlipForecastOptions {
   // Weight of the samples from which on a slope shows, 1 for the newest one; 2 … 20. Too small: two samples
   // are a slope. Too large: a slow sensor has no forecast.
   double min_weight = 3;
-  // A fall is clear from this many standard deviations of the slope on; 1 … 6. Too small: noise is a fall.
-  // Too large: a forecast comes late.
-  double clear_sigmas = 3;
   // Share of a margin's variance that samples do not have in common, the floor of their scatter about the
   // line; 0 … 1. Too small: a smooth error of the margin is taken for a fall. Too large: no forecast.
   double independent_share = 0.01;

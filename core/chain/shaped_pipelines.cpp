@@ -4,6 +4,7 @@
 
 #include "core/advice/alert.hpp"
 #include "core/chain/chain_parts.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 namespace {

@@ -21,10 +21,6 @@ struct Range {
 // skin of another depth are off by more than their sigma. Too large: a misfit of another cause passes for a
 // depth (`slipd-lab tradeoff --shapes`).
 inline constexpr double kUsualDepthSigma = 0.1;
-// Standard deviations from the depth given up to which another one is searched; 2 … 4. Too small: a wrong one
-// is not corrected. Too large: as above.
-inline constexpr double kMostDepthSigmas = 3;
-
 // The sensor's surface: a sphere. The defaults are those of docs/methods.md §26.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -59,7 +61,7 @@ void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
 void FrictionByForces::watch_hook() noexcept {
   const MeanSigma load = traction_ratio_.held();
   const double highest = grid().friction(grid().count() - 1), lowest = grid().friction(0);
-  if (load.mean - options_.exceeds_friction_sigmas * load.sigma > options_.exceeds_friction * highest)
+  if (load.mean - kClearSigmas * load.sigma > options_.exceeds_friction * highest)
     grasp_.exceeds_friction = true;
   if (!grasp_.exceeds_friction) return;
   posterior_.reset();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -21,8 +23,7 @@ bool ShearAxis::aim(const ContactPatch& patch, const FollowedForcesOptions& opti
   const double clear_n = options.clear_sigmas * patch.shear_sigma_n;
   const double across_n = std::fabs(patch.shear_y_n * x_ - patch.shear_x_n * y_);
   const bool turned = across_n > clear_n && across_n > options.turned_share * patch.shear_n;
-  const double reaim_n =
-      std::max(options.reaim_ratio * aimed_n_, options.min_reaim_sigmas * patch.shear_sigma_n);
+  const double reaim_n = std::max(options.reaim_ratio * aimed_n_, kClearSigmas * patch.shear_sigma_n);
   if (!(patch.shear_n > reaim_n || aimed_n_ < clear_n || turned)) return false;
   const bool reversed = cosine(patch) < 0 && !turned;
   x_ = reversed ? -patch.direction_x : patch.direction_x;

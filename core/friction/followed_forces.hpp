@@ -29,8 +29,6 @@ struct FollowedForcesOptions {
   // The axis is taken anew from shear this much larger than the one it was taken from; ratio, 1 … 3. Too
   // small: the axis turns with noise each frame. Too large: an early, noisy axis stays.
   double reaim_ratio = 1.5;
-  // Shear below this never sets the axis; sigmas, 0 … clear_sigmas.
-  double min_reaim_sigmas = 3;
   // Shear across the axis at which it has turned, of the shear, dimensionless, 0.1 … 0.9. Too small: noise of
   // a small shear ends a history that is known. Too large: a history along the old axis is believed in vain.
   double turned_share = 0.35;

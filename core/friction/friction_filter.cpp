@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -104,10 +106,11 @@ void FrictionFilter::weigh_profile(const MarginProfile& profile, double load) no
   posterior_.weigh(Evidence::margin, residuals, options_.profile_common_share, 1);
 }
 
+// One wild frame counts as one that is off by twice what is clear.
 bool FrictionFilter::explain(double least_squared, bool confirms_monotonic) noexcept {
-  const bool outlier = least_squared > options_.outlier_residual;
+  const bool outlier = least_squared > square(kClearSigmas);
   mean_residual_ +=
-      (1 - options_.residual_memory) * (std::min(least_squared, options_.max_residual) - mean_residual_);
+      (1 - options_.residual_memory) * (std::min(least_squared, square(2 * kClearSigmas)) - mean_residual_);
   if (!outlier) {
     history_.explained(confirms_monotonic);
   } else if (history_.outlier()) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/frame/significance.hpp"
 #include "core/friction/friction_filter_options.hpp"
 #include "core/friction/friction_posterior.hpp"
 #include "core/friction/history_state.hpp"
@@ -62,7 +63,7 @@ class FrictionFilter {
   virtual bool understood() const noexcept { return is_known(history()) && explained_of_late(); }
 
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
-  bool surprised() const noexcept { return posterior_.surprise() > options_.surprising_residual; }
+  bool surprised() const noexcept { return posterior_.surprise() > kClearSigmas * kClearSigmas; }
 
   // The posterior of friction.
   const FrictionGrid& grid() const noexcept { return posterior_.grid(); }

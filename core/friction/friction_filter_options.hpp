@@ -79,21 +79,11 @@ struct FrictionFilterOptions {
   // Too small and too large: as above, after an unloading.
   double locked_in_share = 0.04;
 
-  // Least squared residual of all frictions above which nothing explains a frame; 4 … 50. Too small: frames
-  // that say something are called outliers. Too large: a history that is wrong is believed for longer.
-  double outlier_residual = 9;
-  // The most that one frame adds to the mean of those; > outlier_residual. Too large: one wild frame takes
-  // the margin away for long.
-  double max_residual = 36;
   // Memory of the mean of least squared residuals, frame by frame; 0 … 0.99. Too small: single frames take
   // the margin away. Too large: margins of a model that no longer fits are given for longer.
   double residual_memory = 0.9;
   // Mean of least squared residuals from which no margin is given; 1.2 … 9, below 1 where all is understood.
   double max_mean_residual = 2;
-
-  // Squared residual of the likeliest friction from which a frame contradicts it, and gets no margin of what
-  // was believed; 2 … 50. Too small: gaps in a margin. Too large: friction that fell is given for a frame.
-  double surprising_residual = 9;
 
   // A shear that ends below min_shear_sigmas got there in steps of less than this from frame to frame, of mu
   // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
@@ -118,12 +108,11 @@ struct FrictionFilterOptions {
   // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:
   // slides of a real skin say nothing. Too large: a hooked or turned contact is taken for friction.
   double max_internal_share = 0.1;
-  // |Q|/P of a force-only sensor above this times the greatest expected friction is no friction: something
-  // hooks; 1.2 … 5, and by how many standard deviations; 0 … 10. What it showed is forgotten, and nothing is
+  // |Q|/P of a force-only sensor clearly above this times the greatest expected friction is no friction:
+  // something hooks; 1.2 … 5. What it showed is forgotten, and nothing is
   // learnt until the load is below the least friction. Too small: an object of more friction than was
   // expected counts as hooked. Too large: a hook is learnt as friction.
   double exceeds_friction = 1.5;
-  double exceeds_friction_sigmas = 3;
 };
 
 }  // namespace slipd

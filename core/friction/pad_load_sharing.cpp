@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -68,8 +70,7 @@ const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPat
     return profile_;
   }
   state_.highest = std::max(state_.highest, share);
-  if (pull.size_n < options_.pull_sigmas * sigma_n || share < options_.fallen * state_.highest)
-    return profile_;
+  if (pull.size_n < kStandsOutSigmas * sigma_n || share < options_.fallen * state_.highest) return profile_;
   weigh({.load = std::max(share, patch.shear_n / patch.normal_n), .pull = share, .noise_n = noise_n}, pull);
   return profile_;
 }

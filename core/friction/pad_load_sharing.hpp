@@ -35,8 +35,6 @@ struct PadLoadSharingOptions {
   // Pull over P from which on it is read; 0.05 … 0.3. Too small: uneven rubber passes for slip. Too large:
   // slips on slippery objects come unseen.
   double least_pull = 0.2;
-  // The same in standard deviations of Q; 3 … 20.
-  double pull_sigmas = 6;
   // A pull below this share of the greatest one has fallen, and is not read; 0.7 … 1.
   double fallen = 0.9;
   // Standard deviations of what a taxel that stands alone carries: of that, and of the mean of all; 0.05 …

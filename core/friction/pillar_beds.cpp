@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -83,7 +85,7 @@ void PillarBeds::sense(const ContactPatch& patch) noexcept {
   begun_ = true;
   const double of_mean = std::sqrt(options_.gain / (2 - options_.gain));
   noise_n_ = of_mean * area_m2_ * patch.noise_shear_pa;
-  const double least_n = options_.touching_sigmas * of_mean * area_m2_ * patch.noise_normal_pa;
+  const double least_n = kClearSigmas * of_mean * area_m2_ * patch.noise_normal_pa;
   touching_ = 0;
   sensed_n_ = 0;
   goal_ = {};

@@ -22,9 +22,6 @@ struct PillarBedsOptions {
   // Gain of the running means of what each pillar senses, frame by frame; 0.05 … 1. Too small: lags behind
   // loads. Too large: a pillar that noise presses less for a frame slips in the model, and not in the world.
   double gain = 0.6;
-  // Pressure of a pillar that touches, standard deviations of its mean; 2 … 5. Too small: noise touches. Too
-  // large: light pillars come late, and seem to have slipped.
-  double touching_sigmas = 3;
   // Standard deviation of what a pillar carries from what it should: of that and of the mean over all
   // pillars; 0.05 … 0.5. Too small: pillars of uneven stiffness pass for slip. Too large: learns slowly.
   double uneven_share = 0.25;

@@ -4,10 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
 constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without shear
+
+// Standard deviation of a running mean of independent values with this gain, over that of one of them.
+double sigma_of_mean(double gain) noexcept {
+  return std::sqrt(gain / (2 - gain));
+}
 
 }  // namespace
 
@@ -24,7 +31,7 @@ void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const bool begins = alone || !(std::fabs(residual) < options_.jump_sigmas * ratio.sigma);
   frame_ = {.now = begins ? restart_line(ratio) : extend_line(residual, ratio.sigma),
             .sigma = ratio.sigma,
-            .normal_sigma_n = options_.mean_sigma * patch.normal_sigma_n};
+            .normal_sigma_n = sigma_of_mean(options_.mean_gain) * patch.normal_sigma_n};
   state_.level = frame_.now.mean;
 }
 
@@ -42,7 +49,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   if (line.frames > options_.frames_after_turn) {
     const double n = line.frames, scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));
     line.residual += options_.residual_gain * (residual / scatter - line.residual);
-    if (std::fabs(line.residual) > options_.turn_sigmas) {
+    if (std::fabs(line.residual) > kClearSigmas * sigma_of_mean(options_.residual_gain)) {
       line.frames = options_.frames_after_turn;
       line.residual = 0;
     }
@@ -50,7 +57,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   line.frames = std::min(line.frames + 1, options_.max_line_frames);
   const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
   line.slope += slope_gain * residual;
-  const double lag = std::max(0.0, std::fabs(line.residual) - options_.lag_sigmas);
+  const double lag = std::max(0.0, std::fabs(line.residual) - sigma_of_mean(options_.residual_gain));
   const double level = std::max(0.0, expected + level_gain * residual);
   // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by
   // sqrt(pi/2) sigma without shear (Rice 1944).
@@ -60,12 +67,12 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
 }
 
 MeanSigma TractionRatioFilter::held() const noexcept {
-  return {state_.mean,
-          std::max(options_.mean_sigma * frame_.sigma, options_.held_floor_mean * frame_.now.mean)};
+  return {state_.mean, std::max(sigma_of_mean(options_.mean_gain) * frame_.sigma,
+                                options_.held_floor_mean * frame_.now.mean)};
 }
 
 bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
-  return load > state_.highest - options_.highest_sigmas * sigma;
+  return load > state_.highest - options_.alike_sigmas * sigma;
 }
 
 // Whether the resultant points as it did then.
@@ -74,7 +81,7 @@ bool TractionRatioFilter::is_steady(const Shear& since) const noexcept {
   const double along = since.x_n * now.x_n + since.y_n * now.y_n;
   const double across = since.x_n * now.y_n - since.y_n * now.x_n;
   if (along == 0 && across == 0) return true;  // no direction
-  const double noise_rad = options_.plateau_sigmas * frame_.sigma / std::max(state_.mean, kLeastLoad);
+  const double noise_rad = options_.alike_sigmas * frame_.sigma / std::max(state_.mean, kLeastLoad);
   return std::fabs(std::atan2(across, along)) < options_.steady_rad + noise_rad;
 }
 
@@ -109,7 +116,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
   const double ratio = frame_.now.mean, sigma = frame_.now.sigma;
   const auto even_since = [&](const Plateau& since) {
     return std::fabs(ratio - since.load.ratio) <
-               options_.plateau * since.load.ratio + options_.plateau_sigmas * sigma &&
+               options_.plateau * since.load.ratio + options_.alike_sigmas * sigma &&
            state_.normal_n <= since.load.normal_n && is_steady(since.shear);
   };
   if (!state_.plateau || !even_since(*state_.plateau)) {
@@ -121,7 +128,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
                fallen_n = began_n - state_.normal_n - options_.plateau_fall_sigmas * frame_.normal_sigma_n;
   if (fallen_n < options_.plateau_fall * began_n) return std::nullopt;
   if (ratio < options_.min_of_highest * state_.highest) return std::nullopt;
-  if (ratio < options_.risen * state_.at_last_grip_rise.ratio + options_.plateau_sigmas * sigma)
+  if (ratio < options_.risen * state_.at_last_grip_rise.ratio + options_.alike_sigmas * sigma)
     return std::nullopt;
   return Slide{ratio, options_.plateau_sigma};
 }

@@ -23,30 +23,19 @@ struct TractionRatioOptions {
   // Gain of the running mean of residuals that detects a turn; dimensionless, 0.05 … 1. Too small: turns are
   // seen late. Too large: single frames are taken for turns.
   double residual_gain = 0.25;
-  // Running mean of residuals at which the load has turned; sigmas of a frame about the line, 0.5 … 3. (The
-  // mean's own deviation is 0.38 of them at the gain above, so that this is three of it.) Too small: the line
-  // is cut short in vain. Too large: it lags.
-  double turn_sigmas = 1.15;
-  // Running mean of residuals from which on it counts as lag in sigma; sigmas of a frame about the line, 0 …
-  // turn_sigmas; one of its own deviations. Too small: sigma is too wide at rest. Too large: sigma is too
-  // narrow just before a turn is detected.
-  double lag_sigmas = 1.15 / 3;
   // Residual of one frame at which the line begins anew with it; sigmas, 3 … 10. Too small: noise cuts the
   // line. Too large: a jump is followed late.
   double jump_sigmas = 4;
   // Gain of the plain running means of load and of normal force; dimensionless, 0.01 … 1. Too small: gross
   // slip is seen late. Too large: it is seen in noise.
   double mean_gain = 0.1;
-  // Standard deviation of such a mean over that of one frame; sqrt(gain/(2 - gain)), which is 0.23.
-  double mean_sigma = 0.23;
-  // A load that misses the highest one by less counts as the highest; sigmas, 0 … 5. Too small: a load at its
-  // extreme passes for one that has fallen. Too large: unloading passes for a monotonic load.
-  double highest_sigmas = 2;
+  // A load that misses the highest one by less counts as the highest, and a plateau is even within it;
+  // sigmas, 0 … 5. Too small: a load at its extreme passes for one that has fallen. Too large: unloading
+  // passes for a monotonic load, or for a slide.
+  double alike_sigmas = 2;
   // |Q|/P that stays this even while P falls is gross slip; relative, 0.002 … 0.1. Too small: a slide on a
   // rough surface is missed. Too large: unloading both forces passes for a slide.
   double plateau = 0.015;
-  // Added to it for noise; sigmas, 0 … 5.
-  double plateau_sigmas = 2;
   // P has to fall by this much for a plateau to be gross slip; relative, 0.01 … 0.5. Too small: a slow drift
   // passes for a slide. Too large: short slides are missed.
   double plateau_fall = 0.06;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -50,7 +52,7 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       std::max(patch.noise_normal_pa * patch.noise_normal_pa, last_noise_pa_ * last_noise_pa_) *
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
-  const bool known = unlikeness_.frames >= options.learning_frames;
+  const bool known = unlikeness_.frames >= options.memory_frames;
   const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
   const bool jumped = known && unlikeness > least && unlikeness > options.usual_factor * unlikeness_.mean &&
                       unlikeness > options.peak_factor * unlikeness_.peak &&
@@ -66,7 +68,7 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
   const double step_n = std::hypot(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
   const double by_noise = patch.shear_sigma_n / patch.shear_n +
                           last_shear_sigma_n_ / std::hypot(last_shear_x_n_, last_shear_y_n_);
-  const bool known = turn_.frames >= options.learning_frames;
+  const bool known = turn_.frames >= options.memory_frames;
   const bool jumped =
       known && turn_rad > options.least_turn_rad && step_n > options.least_turn_share * patch.normal_n &&
       turn_rad > options.usual_factor * turn_.mean && turn_rad > options.noise_factor * by_noise;
@@ -78,7 +80,7 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
 // former size again.
 bool Continuity::scaled(const ContactPatch& patch, const PatternChange& pattern,
                         const ContinuityOptions& options) noexcept {
-  const double most = std::log(options.scale_factor);
+  const double most = std::log(kWrongScale);
   if (scaled_from_n_ > 0) {
     if (log_ratio(patch.normal_n, scaled_from_n_) > most / 2) return true;
     scaled_from_n_ = 0;
@@ -97,9 +99,8 @@ void Continuity::skip(std::int64_t time_ns) noexcept {
 
 Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
                           std::size_t probes, const ContinuityOptions& options) noexcept {
-  const bool clear = patch.in_contact && patch.normal_n > options.clear_sigmas * patch.normal_sigma_n;
-  const bool directed =
-      clear && patch.shear_n > 0 && patch.shear_n > options.directed_sigmas * patch.shear_sigma_n;
+  const bool clear = patch.in_contact && patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
+  const bool directed = clear && patch.shear_n > 0 && patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n;
   const double step_s = kSecondsPerNano * static_cast<double>(time_ns - last_ns_);
   const bool regular =
       last_ns_ != 0 && (usual_step_s_ <= 0 || step_s <= options.regular_steps * usual_step_s_);

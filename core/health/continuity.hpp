@@ -12,18 +12,22 @@
 
 namespace slipd {
 
+// Contacts are compared, with each other and with the scene's, if their forces are above so many standard
+// deviations; 5 … 100. Too small: noise is taken for a jump. Too large: light contacts are not compared.
+inline constexpr double kComparedSigmas = 20;
+
+// What is wrong by this factor is no contact, but a wrong unit; 5 … 100. Too small: quick grips of flat
+// skins, or contacts unlike a sphere, are called faults. Too large: a wrong unit is believed.
+inline constexpr double kWrongScale = 30;
+
 // Checked with `slipd-lab faults` and on recordings of real sensors.
 struct ContinuityOptions {
-  // Contacts are compared if both frames' forces are above so many standard deviations; 5 … 100. Too small:
-  // noise is taken for a jump. Too large: light contacts are not compared.
-  double clear_sigmas = 20;
   // Frames are compared if the time between them is at most so many usual ones; 1 … 10. Too small: nothing is
   // compared on a busy machine. Too large: what a contact did while frames were lost is called a jump.
   double regular_steps = 2;
-  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000 and 4 … 100. Too
-  // small: chance. Too large: the beginning of a quick motion is called a jump.
+  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000. Too small: chance.
+  // Too large: the beginning of a quick motion is called a jump.
   double memory_frames = 32;
-  std::uint32_t learning_frames = 16;
   // Unlikeness of two frames' pressures (PatternChange) that no contact makes: at least this, 0.05 … 0.5,
   // beyond the usual and beyond what noise makes by a factor, 2 … 100 each. Too small: rolling contacts jump.
   // Too large: another contact's frames are believed.
@@ -43,9 +47,8 @@ struct ContinuityOptions {
   // margin. Too large: another contact of another force at the same place passes.
   double growth_factor = 1.5;
   double growth_moved_share = 0.25;
-  // All pressures changed by this factor, though less unlike than this; 5 … 100 and 0.01 … 0.2. A contact
-  // that carries more grows. Too small: quick grips of flat skins. Too large: a wrong unit is believed.
-  double scale_factor = 30;
+  // All pressures changed by kWrongScale, though less unlike than this; 0.01 … 0.2. A contact that carries
+  // more grows. Too small: a wrong unit is believed. Too large: quick grips of flat skins.
   double same_pattern = 0.05;
   // Turn of the shear in one frame; rad, 0.2 … 1.5, by which it changes by at least this share of the normal
   // force, 0.02 … 0.3, in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small:
@@ -57,8 +60,6 @@ struct ContinuityOptions {
   // 0.01 … 0.5. Too small: a sensor that always reads some force has no margin any more. Too large: a grip
   // that loosens has one again, though its contact is not known.
   double let_go_share = 0.1;
-  // Shears below this have no direction; standard deviations, 5 … 50.
-  double directed_sigmas = 8;
 };
 
 // Mean of a quantity that is small while a contact goes on, and the largest of late.

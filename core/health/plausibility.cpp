@@ -97,14 +97,14 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
     blame(Verdict::frame_refused, Health::uniform);
 }
 
-// Hertz: a^3 = 3 R P/(4 E*), whose factor the scene bounds. Contacts of other shapes are within scale_factor.
+// Hertz: a^3 = 3 R P/(4 E*), whose factor the scene bounds. Contacts of other shapes are within kWrongScale.
 void PlausibilityMonitor::judge_size(const ContactPatch& patch) noexcept {
   if (!patch.in_contact || patch.cut || limits_.least_m3_per_n <= 0) return;
-  if (patch.normal_n < options_.clear_sigmas * patch.normal_sigma_n) return;
+  if (patch.normal_n < kComparedSigmas * patch.normal_sigma_n) return;
   const double volume_m3 = patch.radius_m * patch.radius_m * patch.radius_m;
   const bool sized = patch.radius_m > options_.least_sized_sides * layout_.side_m();
-  const bool small = sized && patch.normal_n * limits_.greatest_m3_per_n * options_.scale_factor < volume_m3;
-  const bool large = patch.normal_n * limits_.least_m3_per_n > options_.scale_factor * volume_m3;
+  const bool small = sized && patch.normal_n * limits_.greatest_m3_per_n * kWrongScale < volume_m3;
+  const bool large = patch.normal_n * limits_.least_m3_per_n > kWrongScale * volume_m3;
   if (small || large) blame(Verdict::frame_refused, Health::wrong_scale);
 }
 
@@ -149,7 +149,7 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
   } else if (patch.normal_n * options_.fallen_factor < last_normal_n_) {
     fallen_from_n_ = last_normal_n_;
   }
-  const bool clear = patch.normal_n > options_.clear_sigmas * patch.normal_sigma_n;
+  const bool clear = patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
   const double moved_m = std::hypot(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
   const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
   if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
@@ -299,7 +299,7 @@ void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch
   last_radius_m_ = patch.radius_m;
   last_peak_pa_ = patch.frame_peak_pa;
   last_least_pa_ = patch.frame_least_pa;
-  last_clear_ = patch.in_contact && patch.normal_n > options_.clear_sigmas * patch.normal_sigma_n;
+  last_clear_ = patch.in_contact && patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
 }
 
 // A fault lasts until good_frames have passed.

@@ -80,13 +80,8 @@ struct PlausibilityOptions {
   // quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
   double rail_share = 0.15;
   std::size_t rail_taxels = 12;
-  // Force over radius^3 may differ from the scene's contacts by this factor either way; 10 … 1000. Too small:
-  // contacts that the scene does not expect are refused. Too large: a wrong unit is believed.
-  double scale_factor = 30;
   // Contacts of a smaller radius are not compared so, as their size is not known; sides, 1 … 4.
   double least_sized_sides = 2;
-  // Forces below this are not compared, nor places; standard deviations of the normal force, 5 … 100.
-  double clear_sigmas = 20;
   // The normal force of a contact does not fall by this factor in one frame and stay; 1e2 … 1e5.
   double fallen_factor = 1e3;
   // Shear that vanished in one frame did so on at least so many taxels; taxels, 2 … 16. Too small: the last

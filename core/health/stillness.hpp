@@ -16,12 +16,10 @@ struct GroupChange {
 };
 
 struct StillnessOptions {
-  // Frames before anything is said; frames, 8 … 1000. Too small: a slow start is taken for the sensor's way.
-  // Too large: a sensor that freezes early is believed.
-  std::uint32_t learning_frames = 32;
-  // Frames over which shares are averaged; frames, 16 … 10000. Too small: they scatter. Too large: a sensor
-  // whose rate was changed is misjudged for longer.
-  double memory_frames = 128;
+  // Frames over which shares are averaged, and before anything is said; frames, 16 … 1000. Too small: they
+  // scatter, and a slow start is taken for the sensor's way. Too large: a sensor whose rate was changed is
+  // misjudged, and one that freezes early believed, for longer.
+  double memory_frames = 64;
   // Share of changes that turn, from which the values have noise; 0.1 … 0.5. Independent noise turns in 2 of
   // 3 frames, a load without noise hardly ever. Too small: a trembling load without noise passes for noise.
   // Too large: noise under a fast load is not seen.
@@ -50,7 +48,7 @@ class Stillness {
 
   // The values have noise.
   bool noisy(const StillnessOptions& options) const noexcept {
-    return frames_ >= options.learning_frames && turning_ >= options.noise_turns;
+    return frames_ >= options.memory_frames && turning_ >= options.noise_turns;
   }
 
   // Mean share of values that change in a frame, 0 … 1.

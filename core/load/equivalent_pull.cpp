@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/few_taxels.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 
@@ -11,7 +12,7 @@ bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
   if (!(patch.radius_m > 0)) return false;
   const double torque_nm = std::fabs(patch.torque_nm), side = coarse(patch);
   const double least_share = options_.least_share + options_.coarse_share * side * side;
-  const double sigmas = outweighs(patch) ? options_.outweighing_sigmas : options_.clear_sigmas;
+  const double sigmas = outweighs(patch) ? options_.outweighing_sigmas : kClearSigmas;
   return torque_nm > sigmas * patch.torque_sigma_nm &&
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }

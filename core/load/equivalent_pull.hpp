@@ -16,12 +16,10 @@ namespace slipd {
 // T: torque, Q: shear force, a: contact radius. Checked with
 // tests/core/load/equivalent_pull_test.cpp.
 struct EquivalentPullOptions {
-  // A torque above this many standard deviations is one; 2 … 5. Too small: noise lowers margins. Too large:
-  // small torques are left out of margins.
-  double clear_sigmas = 3;
-  // The same on few taxels, where noise is a large part of a torque, for one of more than outweighing_share
-  // of Q a; 1 … 3, 0.2 … 2. Below it sigma has what the torque would add to the pull. Too small and too
-  // large: as above.
+  // Standard deviations above which a torque of more than outweighing_share of Q a is one on few taxels,
+  // where noise is a large part of it; 1 … 3, 0.2 … 2. Elsewhere it has to be clear. Below it sigma has what
+  // the torque would add to the pull. Too small: noise lowers margins. Too large: small torques are left out
+  // of margins.
   double outweighing_sigmas = 1.5;
   double outweighing_share = 0.4;
   // And above this share of Q a; 0.001 … 0.05. Below, it changes the margin by less than 2.5 of its squares

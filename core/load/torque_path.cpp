@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -88,7 +90,7 @@ bool TorquePath::sticks_least(const ContactPatch& patch, const EquivalentPullRes
     least = {patch.normal_n, pull.pull_n};
     return true;
   }
-  const double noise_n = options_.stuck_sigmas * pull.pull_sigma_n / friction;
+  const double noise_n = kClearSigmas * pull.pull_sigma_n / friction;
   return stuck_n <= least_n + options_.stuck_share * patch.normal_n + noise_n;
 }
 

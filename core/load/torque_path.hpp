@@ -31,11 +31,9 @@ struct TorquePathOptions {
   // 5. Too small: regrips pass. Too large: after a light touch while the gripper closes, every grip is taken
   // for a regrip.
   double grown = 3;
-  // What sticks bears its least load within this share of P, and so many standard deviations of the pull;
-  // 0.01 … 0.1, 1 … 4. Too small: noise is taken for a trace of an earlier load. Too large: such traces are
-  // read as friction.
+  // What sticks bears its least load within this share of P, and the noise of the pull; 0.01 … 0.1. Too
+  // small: noise is taken for a trace of an earlier load. Too large: such traces are read as friction.
   double stuck_share = 0.05;
-  double stuck_sigmas = 2;
 };
 
 struct TorquePathState {

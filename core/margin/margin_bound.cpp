@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 

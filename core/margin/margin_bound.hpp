@@ -9,10 +9,6 @@
 
 namespace slipd {
 
-// Shear from which on it is clear, in standard deviations; 2 … 6. Too small: methods read noise. Too large:
-// light pulls get no margin from their shape.
-inline constexpr double kClearSigmas = 3;
-
 class MarginBound {
  public:
   // known: friction that was given, else what the scene expects, mu.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/few_taxels.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 namespace {
@@ -21,7 +22,7 @@ double default_min_normal_n(const TaxelLayout& layout) noexcept {
 }
 
 bool ContactGate::judge(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
-  const double least_n = std::max(min_normal_n_, options_.contact_sigmas * normal_noise_n());
+  const double least_n = std::max(min_normal_n_, kStandsOutSigmas * normal_noise_n());
   touching_ = patch.in_contact && patch.normal_n >= (touching_ ? options_.kept_share : 1) * least_n;
   return touching_;
 }
@@ -40,7 +41,7 @@ double FewTaxelsGate::normal_noise_n() const noexcept {
 
 double FewTaxelsGate::pull_threshold_n() const noexcept {
   const double noise_n = noise_.now() ? noise_.now()->shear_n : 0;
-  return std::max(options_.pulled_over_normal * unloaded_n_, options_.contact_sigmas * noise_n);
+  return std::max(options_.pulled_over_normal * unloaded_n_, kStandsOutSigmas * noise_n);
 }
 
 bool FewTaxelsGate::judge(const Frame& frame, const ContactPatch& patch) noexcept {

@@ -14,9 +14,6 @@ namespace slipd {
 
 // Checked with `slipd-bench`.
 struct ContactGateOptions {
-  // P from which on there is a contact, standard deviations of its noise without load; 3 … 10. Too small:
-  // drift and jitter of the zero are a contact. Too large: light contacts are missed.
-  double contact_sigmas = 5;
   // Once in contact, it lasts down to this share of the threshold; 0.2 … 0.9. Too near 1: a light contact
   // comes and goes. Too small: a released object is a contact for longer.
   double kept_share = 0.5;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -20,7 +22,7 @@ double tilt_of(const MomentSums& sums, const ContactPatch& patch, double rim,
   const double noise = patch.noise_normal_pa / (kPerTilt * sums.p);
   const double variance = 0.5 * square(noise) * std::max(0.0, levers) + square(options.rim_tilt * rim);
   const double squares = square(unit * sums.psx) + square(unit * sums.psy);
-  return squares > square(options.clear_sigmas) * variance ? std::sqrt(squares - 2 * variance) : 0;
+  return squares > square(kClearSigmas) * variance ? std::sqrt(squares - 2 * variance) : 0;
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
   const double ellipticity = std::hypot(sums.px2y2, 2 * sums.pxy) / (sums.p * s);
   const double ellipticity_sigma =
       std::hypot(noise * std::sqrt(0.5 * sums.s2) / s, options.rim_ellipticity * rim);
-  if (ellipticity > options.clear_sigmas * ellipticity_sigma) {
+  if (ellipticity > kClearSigmas * ellipticity_sigma) {
     out.ellipticity = ellipticity;
     out.long_axis_rad = 0.5 * std::atan2(2 * sums.pxy, sums.px2y2);
   }
@@ -61,7 +63,7 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
                         2 * lever * s2 * sums.s + square(s2) * n;
   const double excess_sigma = std::hypot(noise * std::sqrt(std::max(0.0, levers)) / square(s),
                                          options.rim_kurtosis * rim, options.point_kurtosis * side2);
-  if (std::fabs(excess) > options.clear_sigmas * excess_sigma) out.excess_kurtosis = std::fabs(excess);
+  if (std::fabs(excess) > kClearSigmas * excess_sigma) out.excess_kurtosis = std::fabs(excess);
   return out;
 }
 

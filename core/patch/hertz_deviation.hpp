@@ -13,9 +13,6 @@ inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 
 // taxels, which gives what Gamma is off by over each deviation. side: a taxel's side; a: the contact's
 // radius.
 struct HertzDeviationOptions {
-  // A deviation counts if it is above this many of its standard deviations; 1 … 6. Too small: noise widens
-  // sigma, and frames are refused. Too large: contacts that are not Hertz's pass as such.
-  double clear_sigmas = 3;
   // What square taxels on a round rim make of each deviation, over (side/a)^3; 0 … 2. Too small: coarse
   // arrays refuse round contacts. Too large: coarse arrays see no deviation.
   double rim_tilt = 0.75;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -95,7 +96,7 @@ double PatchFinder::radius_of(double second_moment_m2) const noexcept {
 
 // Centroid and radius of what stands out.
 bool PatchFinder::locate() noexcept {
-  if (!(peak_pa_ > options_.stands_out_sigmas * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
+  if (!(peak_pa_ > kStandsOutSigmas * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
   const auto least = static_cast<float>(
       std::max(options_.first_guess_sigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
   const PlaceSums sums = kernels_.place(patch_.taxels, least);
@@ -135,7 +136,7 @@ std::size_t PatchFinder::refine() noexcept {
   }
   // One taxel may stand out by chance; a contact does so as a whole.
   const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(patch_.count));
-  if (patch_.normal_n < options_.stands_out_sigmas * chance * layout_.area_m2()) {
+  if (patch_.normal_n < kStandsOutSigmas * chance * layout_.area_m2()) {
     patch_.in_contact = false;
     return 0;
   }

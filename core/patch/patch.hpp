@@ -72,12 +72,8 @@ struct ContactPatch {
 // unit is given. Checked with `slipd-lab tradeoff` (places and forces of contacts on all layouts), those of
 // dead taxels with `slipd-lab stability --parts adversary`.
 struct PatchOptions {
-  // A taxel, and a contact as a whole, stands out of the noise from this many standard deviations on; 3 … 10.
-  // Gaussian noise passes 5 once in a few million taxels, uniform noise never (its bound is 1.73). Too small:
-  // noise is taken for a contact. Too large: light contacts are missed.
-  double stands_out_sigmas = 5;
   // Taxels that the first guess of the disc is made from: above this many standard deviations, and above this
-  // share of the peak; 2 … stands_out_sigmas, 0 … 0.2. Too small: noise far off draws the guess. Too large:
+  // share of the peak; 2 … 5, 0 … 0.2. Too small: noise far off draws the guess. Too large:
   // the guess is too small, and takes more rounds.
   double first_guess_sigmas = 4;
   double first_guess_share = 0.02;

@@ -10,6 +10,11 @@
 
 namespace slipd {
 
+// Mean square deviation of the rings from a monotonic load, from which on a frame has another history, or is
+// of a skin that is no half space; 1.5 … 20, about 1 after a monotonic load. Too small: such skins are
+// refused. Too large: a regrip passes.
+inline constexpr double kMaxRingMisfit = 4;
+
 struct Rings {
   // Number of rings. Fewer blur the edge of the stick zone; more leave rings with too few taxels.
   static constexpr std::size_t kCount = 16;

@@ -14,17 +14,10 @@
 
 namespace slipd {
 
-// Blocks are taken whose middle is within this many radii and this many blocks of the contact's centre: as
-// PatchOptions has it of taxels.
-struct SquareBlockOptions {
-  double reach_factor = 1.06;
-  double reach_sides = 0.7072;
-};
-
 class SquareBlocks {
  public:
   // `layout` is a grid. most_along_radius: the most that sum() is asked for; >= 1.
-  SquareBlocks(const TaxelLayout& layout, double most_along_radius, const SquareBlockOptions& options = {});
+  SquareBlocks(const TaxelLayout& layout, double most_along_radius);
 
   // Whether a layout can be summed in blocks: it is a grid.
   static bool fits(const TaxelLayout& layout) noexcept { return layout.regular().has_value(); }
@@ -65,7 +58,6 @@ class SquareBlocks {
   void sum_row(const ContactPatch& patch, std::size_t first_taxel, std::size_t blocks) noexcept;
 
   TaxelLayout::Grid grid_;
-  SquareBlockOptions options_;
   double grid_left_m_, grid_bottom_m_;
   std::size_t most_along_, along_ = 1, size_ = 0;
   double left_m_ = 0, bottom_m_ = 0, side_m_ = 1;

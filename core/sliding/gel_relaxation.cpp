@@ -27,7 +27,7 @@ double fall(double past, double now, double noise) noexcept {
 GelRelaxation::GelRelaxation(const TaxelLayout& layout, const GelRelaxationOptions& options)
     : layout_(layout),
       options_(options),
-      kept_(options.now_pictures + options.past_pictures),
+      kept_(2 * options.pictures),
       bends_(layout),
       history_(kept_ * bends_.size()),
       fields_(kept_ * 2 * layout.size()),
@@ -87,7 +87,7 @@ bool GelRelaxation::is_stale_jump(std::int64_t time_ns, double step_mm) const no
 
 // Mean bends now and in the past, and the rest: where the gel was least bent for as long as now_ is.
 void GelRelaxation::average() noexcept {
-  const std::size_t now = options_.now_pictures, past = count_ - now;
+  const std::size_t now = options_.pictures, past = count_ - now;
   std::ranges::fill(now_, 0.0F);
   std::ranges::fill(past_, 0.0F);
   for (std::size_t ago = 0; ago < count_; ++ago) {
@@ -106,7 +106,7 @@ void GelRelaxation::average() noexcept {
 // The largest bend of the pictures that are now.
 double GelRelaxation::most_now_mm(std::span<const float> from) const noexcept {
   double most = 0;
-  for (std::size_t ago = 0; ago < options_.now_pictures; ++ago)
+  for (std::size_t ago = 0; ago < options_.pictures; ++ago)
     most = std::max(most, length_mm(row(std::span(history_), ago), from));
   return most;
 }
@@ -123,7 +123,7 @@ bool GelRelaxation::touches() const noexcept {
 
 // past_ and rest_ are means: their difference has this part of one picture's noise.
 bool GelRelaxation::was_held() const noexcept {
-  const auto now = static_cast<double>(options_.now_pictures), past = static_cast<double>(count_) - now;
+  const auto now = static_cast<double>(options_.pictures), past = static_cast<double>(count_) - now;
   return length_mm(past_, rest_) >= options_.contact_mm * std::sqrt(1 / now + 1 / past);
 }
 
@@ -163,7 +163,7 @@ const GelState& GelRelaxation::update(const Frame& frame) noexcept {
   }
   if (releasing_) {
     if (rest_seen_) state_.contact = touches();
-  } else if (count_ >= options_.now_pictures + options_.least_past) {
+  } else if (count_ >= options_.pictures + options_.least_past) {
     judge();
   }
   return state_;

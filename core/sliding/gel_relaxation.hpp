@@ -23,13 +23,11 @@ struct GelRelaxationOptions {
   // fast cameras. Too large: slips are reported late. Chosen so
   // that each picture of a camera of 30 Hz counts.
   double least_step_s = 0.03;
-  // Pictures for which the gel has to have relaxed; 2 … 25. Too small: shaking is a slip. Too large: told
-  // late. By the shared trials.
-  std::size_t now_pictures = 12;
-  // Pictures before those, which it is compared with; 4 … 100. Too small: as above. Too large: settling of a
-  // new grip is a slip. By the shared trials.
-  std::size_t past_pictures = 12;
-  // Of those, at least so many; 2 … past_pictures. Too small: a stray picture is a past. Too large: slips
+  // Pictures for which the gel has to have relaxed, and pictures before those, which it is compared with; 4
+  // … 25. Too small: shaking is a slip. Too large: told late, and settling of a new grip is a slip. By the
+  // shared trials.
+  std::size_t pictures = 12;
+  // Of the past, at least so many; 2 … pictures. Too small: a stray picture is a past. Too large: slips
   // soon after the start are missed.
   std::size_t least_past = 5;
   // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts

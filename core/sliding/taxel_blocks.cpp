@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/sliding/sliding.hpp"
+
 namespace slipd {
 namespace {
 
@@ -73,7 +75,7 @@ double TaxelBlocks::noise() const noexcept {
 }
 
 bool TaxelBlocks::add(const Frame& frame) noexcept {
-  if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(options_.max_gap_s)) forget();
+  if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(kForgottenAfter_s)) forget();
   const bool alone = block_frames_ == 1 && size_ > 0 && spans_block(frame.time_ns - last_ns_);
   last_ns_ = frame.time_ns;
   bool completed = false;

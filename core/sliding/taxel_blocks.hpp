@@ -24,9 +24,6 @@ struct TaxelBlockOptions {
   // Frames of a block that are looked at where cells have several taxels; 1 … 50. Too small: noise. Too
   // large: costs time.
   double pooled_frames = 4;
-  // After a pause as long as this what came before is forgotten; s, 0.1 … 10. Too small: lost frames blind
-  // it. Too large: a movement across the pause counts as one at once.
-  double max_gap_s = 0.5;
 };
 
 // Not thread-safe. Belongs to the estimate thread; allocates in its constructor only.

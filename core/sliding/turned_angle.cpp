@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
+#include "core/sliding/sliding.hpp"
+
 namespace slipd {
 namespace {
 
@@ -111,7 +114,7 @@ std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
 // Whether the contact slid and turned while its pattern did not turn: the pattern is the sensor's own, or the
 // object is symmetric.
 bool TurnFollower::pinned(std::int64_t time_ns, const TurnedAngle& now, bool slides_turning) noexcept {
-  if (pinned_ && std::fabs(now.angle_rad - pinned_angle_rad_) > (options_.moved_sigmas + 1) * now.sigma_rad)
+  if (pinned_ && std::fabs(now.angle_rad - pinned_angle_rad_) > (kClearSigmas + 1) * now.sigma_rad)
     pinned_ = false;
   if (!slides_turning) {
     slides_since_ns_.reset();
@@ -122,7 +125,7 @@ bool TurnFollower::pinned(std::int64_t time_ns, const TurnedAngle& now, bool sli
     if (!pinned_) pinned_angle_rad_ = now.angle_rad;
   }
   if (time_ns - *slides_since_ns_ > duration_ns(options_.pinned_s) &&
-      std::fabs(now.angle_rad - pinned_angle_rad_) < options_.moved_sigmas * now.sigma_rad)
+      std::fabs(now.angle_rad - pinned_angle_rad_) < kClearSigmas * now.sigma_rad)
     pinned_ = true;
   return pinned_;
 }
@@ -134,7 +137,7 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   looked_ns_ = time_ns;
   answer_.reset();
   const bool counting = frames_ == options_.reference_frames;
-  if (counting && time_ns - known_ns_ > duration_ns(options_.max_gap_s)) ended_ = true;
+  if (counting && time_ns - known_ns_ > duration_ns(kForgottenAfter_s)) ended_ = true;
   // What lies beyond the sensor's edge turns as well.
   if (ended_ || patch.cut) return std::nullopt;
   take(patch, settled);

@@ -36,16 +36,10 @@ struct TurnedAngleOptions {
   // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
   // none. Too large: angles are imprecise.
   double max_sigma_rad = 0.1;
-  // After so long without an angle none is given until the contact is lost; s, 0.1 … 2. Too small: lost
-  // frames end the count. Too large: a turn by more than half the angle between two arms is counted wrongly.
-  double max_gap_s = 0.5;
   // A pattern that has not turned after the contact slid under its torque for this time belongs to the
   // sensor; s, 0.05 … 1. Too small: slow turns are not given at first. Too large: 0 is given for an object
   // that turns.
   double pinned_s = 0.15;
-  // Standard deviations that the angle has to move by until then; 2 … 6. Too small: noise passes for a turn.
-  // Too large: as above.
-  double moved_sigmas = 3;
 };
 
 struct TurnedAngle {

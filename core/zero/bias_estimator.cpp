@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -237,7 +239,7 @@ bool BiasEstimator::reads_zero() const noexcept {
   const float frames = static_cast<float>(block_.frames() + last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    const float within = std::max(options_.zero_errors * std::sqrt(variance / frames), step_pa(i) / 2);
+    const float within = std::max(options_.still_errors * std::sqrt(variance / frames), step_pa(i) / 2);
     if (!(std::abs(now[i] + last_mean_[i]) / 2 <= within)) return false;
   }
   return true;
@@ -268,7 +270,7 @@ bool BiasEstimator::near_bias() const noexcept {
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
-    const float within = std::max(options_.near_sigmas * std::max(zero_.noise_pa[i], least),
+    const float within = std::max(static_cast<float>(kClearSigmas) * std::max(zero_.noise_pa[i], least),
                                   options_.near_steps * step_pa(i)) +
                          options_.rounding * std::abs(now[i]);
     if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
@@ -293,10 +295,9 @@ bool BiasEstimator::stands_out() noexcept {
                                             .shear_y_pa = all.last(taxels_)});
   if (!patch.in_contact) return false;
   int out = 0;
-  patch.for_each_inside([&](std::uint32_t taxel) {
-    out += apart_[taxel] > options_.stands_out_sigmas * patch.noise_normal_pa ? 1 : 0;
-  });
-  return out >= options_.min_together;
+  patch.for_each_inside(
+      [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOutSigmas * patch.noise_normal_pa ? 1 : 0; });
+  return out >= static_cast<int>(options_.check.min_taxels);
 }
 
 // What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no

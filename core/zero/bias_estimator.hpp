@@ -31,8 +31,9 @@ struct BiasEstimatorOptions {
   // The longest time between two blocks that counts for it; s, 0.1 … 10. Too large: the first block after a
   // pause moves the bias by much.
   double max_follow_gap_s = 1;
-  // Two blocks stand still if no channel's means differ by more than this; standard errors, 3 … 10. White
-  // noise passes 6 once in 10^8 channels. Too small: noise is movement. Too large: a slow touch is none.
+  // Two blocks stand still if no channel's means differ by more than this, and a sensor without a bias reads
+  // 0 within it; standard errors, 3 … 10. White noise passes 6 once in 10^8 channels. Too small: noise is
+  // movement. Too large: a slow touch is none.
   float still_errors = 6;
   // Frames of a block that count as independent at most; 16 … 10000. Flicker noise does not fall with their
   // number. Too small: a slow touch is no movement. Too large: flicker is movement.
@@ -40,26 +41,15 @@ struct BiasEstimatorOptions {
   // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
   // large: the answer comes late.
   int max_tries = 8;
-  // A free sensor is within this of its bias: standard deviations of a frame, or its smallest steps; 2 … 10,
-  // 0.5 … 5. Too small: drift ends the following. Too large: a light touch is followed.
-  float near_sigmas = 3;
+  // A free sensor is not clearly off its bias, nor by more than so many of its smallest steps; 0.5 … 5. Too
+  // small: drift ends the following. Too large: a light touch is followed.
   float near_steps = 1.5F;
-  // A sensor without a bias reads 0 if it is within this of 0; standard errors of two blocks, 3 … 10. Too
-  // small: sensors that have no offset wait for a command. Too large: a small offset, or a light load, passes
-  // for none.
-  float zero_errors = 6;
   // Rounding of single precision, of a reading; 1e-7 … 1e-5. Too small: a large offset never stands still.
   // Too large: a touch beside a large offset is none.
   float rounding = 1e-6F;
   // Fewer taxels show no shape of a contact; taxels, 4 … 50. Too small: offsets of a few taxels pass for a
   // contact. Too large: a touch of a small array is taken for its bias.
   std::size_t min_shape_taxels = 8;
-  // A taxel stands out of the others by this many standard deviations of a frame; 3 … 10. Too small: offsets
-  // are a contact. Too large: a light contact is an offset.
-  double stands_out_sigmas = 5;
-  // So many that lie together are a contact; taxels, 1 … 20. Too small: one bad taxel is a contact. Too
-  // large: a fingertip is none.
-  int min_together = 3;
   // A sensor without a serial number that sent no frame for so long may have been exchanged; s, 0.3 … 2. Too
   // small: lost frames make a check that a wide contact fails. Too large: a quick exchange goes unseen.
   double absent_s = 1;

@@ -45,7 +45,7 @@ bool ZeroCheck::agrees(const Frame& reading, const Bias& zero, std::span<const f
     as_zero += like_zero ? 1 : 0;
     as_last += like_last ? 1 : 0;
   }
-  const std::size_t needed = count_of(taxels_, options_.agree_share, options_.min_agreeing_taxels);
+  const std::size_t needed = count_of(taxels_, options_.agree_share, options_.min_taxels);
   return std::max(as_zero, as_last) >= needed && !is_below(reading, zero, floors);
 }
 
@@ -62,7 +62,7 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
       pressed_pa += load;
     }
   }
-  if (below < count_of(taxels_, options_.below_share, options_.min_below_taxels)) return false;
+  if (below < count_of(taxels_, options_.below_share, options_.min_taxels)) return false;
   return lifted_pa > options_.below_over_pressed * pressed_pa ||
          static_cast<double>(below) > options_.most_share * static_cast<double>(taxels_);
 }

@@ -20,22 +20,24 @@ struct ZeroCheckOptions {
   // another sensor's offsets pass for drift.
   float agree_sigmas = 10;
   float agree_steps = 3;
-  // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and their least number, 2 … 5 (all, of
-  // a sensor that has fewer). Too small: offsets that happen to be alike pass. Too large: a restart in
-  // mid-grasp is without a margin until the object is let go.
+  // So few taxels can read anything by chance, or be bad, 2 … 5 (all, of a sensor that has fewer): more are a
+  // contact, agree with a zero, or contradict it. Too small: bad taxels do. Too large: a fingertip is no
+  // contact.
+  std::size_t min_taxels = 3;
+  // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and at least min_taxels. Too small:
+  // offsets that happen to be alike pass. Too large: a restart in mid-grasp is without a margin until the
+  // object is let go.
   double agree_share = 0.25;
-  std::size_t min_agreeing_taxels = 3;
   // A load that was held while the sensor was away may have changed by this share; 0.02 … 0.2. Too small: a
   // skin that relaxes is taken for another sensor. Too large: an offset of another sensor passes for a load.
   float held_share = 0.1F;
   // A taxel is far below its zero by more than agree_sigmas, agree_steps and this share of the greatest
   // pressure that it had; 0.02 … 0.1. Too small: skin that springs back counts. Too large: an offset hides.
   float rebound_share = 0.05F;
-  // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least this number,
-  // 2 … 5 (all, of a sensor that has fewer). Too small: a bad taxel does. Too large: a zero that was taken
+  // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least
+  // min_taxels. Too small: a bad taxel does. Too large: a zero that was taken
   // from a small contact is used.
   double below_share = 1.0 / 16;
-  std::size_t min_below_taxels = 3;
   // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
   // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
   // was taken from a contact is used while another contact is there.

@@ -8,6 +8,9 @@
 #include <limits>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
+#include "core/patch/rings.hpp"
+#include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
 #include "core/reading/moments/moments.hpp"
 
@@ -255,13 +258,13 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& o
   const double variance = covariance(margin, margin);
   if (!(variance > 0) || !std::isfinite(variance)) return false;
   const double load_sigmas = at[load] / std::sqrt(covariance(load, load));
-  if (!(load_sigmas > options_.clear_load_sigmas)) return false;
+  if (!(load_sigmas > kClearSigmas)) return false;
   out.gamma = at[margin];
   out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
   const double utilisation = 1 - out.gamma;
   out.friction = at[load] / utilisation;
   out.friction_sigma =
-      out.sigma < options_.max_friction_share * utilisation
+      out.sigma < kKnownFrictionShare * utilisation
           ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(covariance(load, load)) / at[load])
           : std::numeric_limits<double>::infinity();
   place(patch, at, out);
@@ -298,10 +301,10 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   if (!minimum.converged || !describe(patch, minimum, out)) return;
   const HertzDeviationOptions& deviation = options_.ratio.deviation;
   const RingMisfit misfit = ring_misfit(at);
-  out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < options_.max_ring_misfit;
+  out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < kMaxRingMisfit;
   if (out.sigma > options_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
   // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
-  const double uneven = misfit.by_noise > options_.max_ring_misfit ? options_.uneven_sigma : 0;
+  const double uneven = misfit.by_noise > kMaxRingMisfit ? options_.uneven_sigma : 0;
   const double unlike =
       std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
   const double model_sigma = std::hypot(uneven, unlike);

@@ -60,9 +60,6 @@ struct FitOptions {
   // Sigma of Gamma of a frame that only such a skin explains; Gamma, 0 … 0.2. Too small: sigma is less than
   // the error. Too large: such frames are wasted.
   double uneven_sigma = 0.03;
-  // Mean square residual over rings from which on a frame needs such a skin, or has another history; 1.5 …
-  // 20, about 1 where the model holds. Too small: frames are refused. Too large: a regrip passes.
-  double max_ring_misfit = 4;
   // Residual pressure counts from this many standard deviations of its sum of squares on; 1 … 10. Too small:
   // noise widens sigma. Too large: a tilted contact passes for a round one.
   double clear_sigmas = 4;
@@ -71,19 +68,13 @@ struct FitOptions {
   double pressure_sigma = 0.9;
   // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
   double friction_sigma_factor = 2;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is given by the parabola; 0.1 … 1. Too small: friction
-  // is given late. Too large: its sigma is wrong, because the likelihood is no parabola.
-  double max_friction_share = 0.5;
 
   // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
   // costs time. Too large: the likelihood is no parabola any more.
   double open_sigma = 0.04;
-  // Standard deviations by which Q/P is above 0 for its field to have a shape; 2 … 6. Too small: noise has
-  // minima anywhere, and a light pull is read as gross slip. Too large: light pulls get no margin of their
-  // own.
-  double clear_load_sigmas = 3;
-  // The same below which the whole profile is weighed with the prior, as such a field has several minima; 3
-  // … 30. Too small: a light pull is read as gross slip. Too large: costs time.
+  // Standard deviations by which Q/P is above 0 below which the whole profile is weighed with the prior, as
+  // such a field has several minima; 3 … 30. Too small: a light pull is read as gross slip. Too large: costs
+  // time.
   double faint_load_sigmas = 10;
   // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
   // small: profiles of small contacts have no weight. Too large: they have too much.

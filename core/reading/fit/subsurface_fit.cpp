@@ -9,7 +9,10 @@
 #include <span>
 
 #include "core/contact/subsurface.hpp"
+#include "core/frame/significance.hpp"
 #include "core/numeric/scaled_inverse.hpp"
+#include "core/patch/rings.hpp"
+#include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
 
 namespace slipd {
@@ -149,7 +152,7 @@ bool SubsurfaceFit::weights_change(int unknowns, Minimum& best) noexcept {
 
 bool SubsurfaceFit::shows_ellipse(Minimum& round) noexcept {
   refresh(Model::kRound, round);
-  return model_.axes_sigmas2(round.evaluated) > options_.elliptic_sigmas * options_.elliptic_sigmas;
+  return model_.axes_sigmas2(round.evaluated) > kClearSigmas * kClearSigmas;
 }
 
 void SubsurfaceFit::place(const Full& at, Reading& out) noexcept {
@@ -164,13 +167,13 @@ bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcep
   const double variance = inverse.variance(Model::margin), load_variance = inverse.variance(Model::load);
   if (!std::isfinite(variance)) return false;
   const double load_sigmas = at[Model::load] / std::sqrt(load_variance);
-  if (!(load_sigmas > fit_.clear_load_sigmas)) return false;
+  if (!(load_sigmas > kClearSigmas)) return false;
   out.gamma = at[Model::margin];
   out.sigma = load_sigmas > fit_.faint_load_sigmas ? std::sqrt(variance) : 1;
   const double utilisation = 1 - out.gamma;
   out.friction = at[Model::load] / utilisation;
   out.friction_sigma =
-      out.sigma < fit_.max_friction_share * utilisation && std::isfinite(load_variance)
+      out.sigma < kKnownFrictionShare * utilisation && std::isfinite(load_variance)
           ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
   place(at, out);
@@ -239,7 +242,7 @@ void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio
   }
   const bool changed = (frame_.elliptic || depth_m_ > 0) && weights_change(unknowns(), best);
   const bool elliptic = frame_.elliptic ? Model::axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
-                                              options_.elliptic_sigmas * options_.elliptic_sigmas
+                                              kClearSigmas * kClearSigmas
                                         : shows_ellipse(best);
   if (elliptic != frame_.elliptic) {
     best.known = false;
@@ -334,7 +337,7 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
   if (out.sigma > fit_.open_sigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
-  out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
+  out.in_model = residual < options_.max_residual && misfit < kMaxRingMisfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
   out.common_sigma = std::hypot(out.common_sigma, layer_sigma(at));

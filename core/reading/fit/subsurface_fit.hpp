@@ -47,9 +47,6 @@ struct SubsurfaceFitOptions {
   // range; Gamma, within FitOptions' range.
   double start_gamma = 0.5;
   double other_gamma = 0.9;
-  // A contact is an ellipse where that is at least so many standard deviations away from a round one; 2 … 6.
-  // Too small: costs time for nothing. Too large: ellipses are read as round contacts.
-  double elliptic_sigmas = 3;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;

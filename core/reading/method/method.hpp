@@ -14,6 +14,11 @@
 
 namespace slipd {
 
+// Sigma of Gamma, of 1 - Gamma, below which a frame gives friction; 0.1 … 1. Near no load friction is a ratio
+// of two small numbers. Too small: friction is given late. Too large: its sigma is not meant, because the
+// likelihood is no parabola.
+inline constexpr double kKnownFrictionShare = 0.5;
+
 // How little each margin fits a frame: half the squared misfit in units of noise, Gamma = (j + 1/2)/kSteps,
 // the least is 0. The scene's expectations are not in it.
 struct MarginProfile {

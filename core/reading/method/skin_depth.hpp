@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/contact/scene.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 
@@ -46,7 +47,7 @@ class SkinDepth {
             std::max(std::min(kLeastSigma, prior_sigma_), known.sigma)};
   }
   // The farthest from nominal that is believed.
-  double most() const noexcept { return kMostDepthSigmas * prior_sigma_; }
+  double most() const noexcept { return kClearSigmas * prior_sigma_; }
   void take(const LogDepth& known) noexcept { now_ = known; }
   // A new grasp.
   void forget() noexcept { now_ = {0, prior_sigma_}; }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/significance.hpp"
 #include "core/patch/rings.hpp"
+#include "core/reading/method/method.hpp"
 #include "core/reading/moments/grid_aliasing.hpp"
 #include "core/simd/instruction_sets.hpp"
 
@@ -57,7 +59,7 @@ namespace {
 // What taxels make of a ring of shear at the rim. `coarse`: side/a.
 double ring_error(double coarse, double gamma, const MomentRatioOptions& options) noexcept {
   const double widths = (1 - std::cbrt(gamma)) / (options.ring_width * coarse), widths2 = widths * widths;
-  return options.ring_error * coarse * coarse / (1 + widths2 * widths2);
+  return options.rim_error * coarse * coarse / (1 + widths2 * widths2);
 }
 
 }  // namespace
@@ -133,7 +135,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
-  const double open = options_.range_sigmas * ratio.sigma + options_.range_slack;
+  const double open = kClearSigmas * ratio.sigma + options_.range_slack;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = ratio.gamma;
   const double per_ratio = slope(std::cbrt(out.gamma)),
@@ -143,11 +145,11 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   const double utilisation = std::max(kNoShear, 1 - out.gamma);
   out.friction = ratio.load / utilisation;
   out.friction_sigma =
-      out.sigma < options_.max_friction_share * utilisation
+      out.sigma < kKnownFrictionShare * utilisation
           ? out.friction * std::hypot(out.sigma / utilisation, patch.shear_sigma_n / patch.shear_n)
           : std::numeric_limits<double>::infinity();
   out.in_model = ratio.deviation.hertzian(options_.ratio.deviation) &&
-                 monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < options_.max_ring_misfit;
+                 monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < kMaxRingMisfit;
   return out;
 }
 

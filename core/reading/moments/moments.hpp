@@ -23,14 +23,13 @@ double gamma_per_moment_ratio(double gamma) noexcept;
 struct MomentRatioOptions {
   HertzDeviationOptions deviation;
 
-  // Error of the ratio by square taxels on a round rim, over (side/a)^3; 0 … 2. Too small: sigma is less than
-  // the error on coarse arrays. Too large: it is more.
+  // Error of the ratio by square taxels on a round rim, over (side/a)^3, and on shear that lies in a ring at
+  // the rim narrower than a taxel, under a light load, over (side/a)^2; 0 … 1. Measured by quadrature of
+  // exact tractions over side/a of 0.06 … 0.9. Too small: sigma is less than the error on coarse arrays. Too
+  // large: it is more.
   double rim_error = 0.3;
-  // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over
-  // (side/a)^2, and the ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1.
-  // Measured by quadrature of exact tractions over side/a of 0.06 … 0.9. Too small and too large: as above,
-  // of light loads.
-  double ring_error = 0.3;
+  // The ring's width (1 - k) a at which half of the latter is left, over side; 0.1 … 1. Too small and too
+  // large: as above, of light loads.
   double ring_width = 0.45;
   // Share of both that is left where GridAliasing corrects the ratio: regular grids without a dead taxel in
   // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not sense
@@ -74,18 +73,9 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
 struct MomentsOptions {
   MomentRatioOptions ratio;
 
-  // A ratio outside 1 … 5/3 is still read as a monotonic load within this many standard deviations and this
-  // much more; 1 … 5 and 0 … 0.2. Too small: noise makes frames near gross slip and near no load unanswered.
-  // Too large: other histories pass.
-  double range_sigmas = 3;
+  // A ratio that is clearly outside 1 … 5/3, by its noise and this much more, is no monotonic load's; 0 …
+  // 0.2. Too small: frames near gross slip and near no load are unanswered. Too large: other histories pass.
   double range_slack = 0.03;
-  // Mean square deviation of the rings from a monotonic load, from which on the frame has another
-  // history; 1.5 … 20, about 1 after a monotonic load. Too small: skins that are no half space are refused.
-  // Too large: a regrip passes.
-  double max_ring_misfit = 4;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1. Near no load friction is a ratio of
-  // two small numbers. Too small: friction is given late. Too large: its sigma is not meant.
-  double max_friction_share = 0.5;
 };
 
 class Moments final : public SlipMethod {

@@ -6,6 +6,9 @@
 #include <limits>
 #include <span>
 
+#include "core/frame/significance.hpp"
+#include "core/reading/method/method.hpp"
+
 namespace slipd {
 namespace {
 
@@ -34,15 +37,15 @@ double PressureMaps::force_n(const ContactPatch& patch) const noexcept {
 }
 
 void PressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
-  if (!(patch.normal_n > 0) || patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
+  if (!(patch.normal_n > 0) || patch.normal_n < kStandsOutSigmas * patch.normal_sigma_n) return;
   const double normal_n = force_n(patch);
   if (skin_ && patch.shear_n > options_.most_shear * patch.normal_n &&
-      patch.shear_n > options_.pull_sigmas * patch.shear_sigma_n)
+      patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n)
     pulled_n_ = std::max(pulled_n_, normal_n);
   if (!(normal_n > 0) || normal_n < options_.outgrown * pulled_n_) return;
   const bool pulled =
       patch.shear_n > (skin_ ? options_.most_shear_sensed : options_.most_shear) * patch.normal_n &&
-      patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n;
+      patch.shear_n > kClearSigmas * patch.shear_sigma_n;
   if (pulled && (skin_ || !grown(patch, normal_n))) return;
   // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
   // pressing is sensed as.
@@ -181,7 +184,7 @@ void PressureMaps::conclude(const ContactPatch& patch, const Trial& best, const 
   out.common_sigma = std::hypot(by_model, out.sigma * std::sqrt(best.map_share));
   out.sigma = std::hypot(out.sigma, by_model);
   const double rest = 1 - out.gamma;
-  if (!(out.sigma < options_.max_friction_share * rest))
+  if (!(out.sigma < kKnownFrictionShare * rest))
     out.friction_sigma = std::numeric_limits<double>::infinity();
   else
     out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_model / rest);

@@ -26,22 +26,18 @@ namespace slipd {
 struct PressureMapsOptions {
   FrictionPriorOptions prior;
 
-  // The greatest shear of a frame that counts as closing: as a share of its normal force, or in standard
-  // deviations of the shear; 0.005 … 0.1 and 1 … 5. Too small: a sensor that reads shear under a normal load
-  // records nothing. Too large: frames with a pull are recorded.
+  // The greatest share of its normal force that is shear in a frame that counts as closing, unless noise
+  // explains more; 0.005 … 0.1. Too small: a sensor that reads shear under a normal load records nothing. Too
+  // large: frames with a pull are recorded.
   double most_shear = 0.03;
-  double most_shear_sigmas = 3;
   // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
   // the beginning of a pull is taken for what pressing is sensed as.
   double most_shear_sensed = 0.005;
-  // Under a skin a shear above most_shear and so many standard deviations is a pull, which leaves traction in
+  // Under a skin a shear above most_shear that stands out of its noise is a pull, which leaves traction in
   // the contact where its own force has gone: nothing is recorded then up to this factor of its normal force;
-  // 4 … 8 and 1.2 … 4. Too small: what is left is taken for what pressing is sensed as. Too large: a touch
+  // 1.2 … 4. Too small: what is left is taken for what pressing is sensed as. Too large: a touch
   // that hooks ends the recording.
-  double pull_sigmas = 5, outgrown = 2;
-  // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
-  // Too large: margins near gross slip have no map.
-  double least_force_sigmas = 8;
+  double outgrown = 2;
   // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many:
   // recording costs time in a held grasp.
   double enough_frames = 32;
@@ -77,8 +73,6 @@ struct PressureMapsOptions {
   // small: frames of one closing, whose error is common, count too much. Too large: the likelihood is no
   // parabola any more.
   double open_sigma = 0.02;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
-  double max_friction_share = 0.5;
   // Under a skin, twice the log likelihood that another history gains, from which on no margin is given; 9
   // … 36. Too small: noise takes the margin away. Too large: a load that has turned back passes.
   double most_history_gain = 16;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
@@ -13,9 +14,6 @@ namespace {
 // The first map's slot, of kMaps: room for smaller forces, and for a force some times larger before maps are
 // joined.
 constexpr double kFirstSlot = 4;
-// Pressure of the last map from which on a taxel is of the contact; standard deviations of its noise, 2 … 5.
-// Too small: noise counts. Too large: the rim of a light contact is left out.
-constexpr double kClearlyPressed = 3;
 // What no pressure under no force counts for, in frames; it is known.
 constexpr double kFramesOfNone = 1000;
 
@@ -143,7 +141,7 @@ void RecordedMaps::find_contact(double noise_pa) noexcept {
   if (version_of_contact_ == versions_ || size_ == 0) return;
   version_of_contact_ = versions_;
   const std::span<const float> last = normal_of(order_[size_ - 1]);
-  const double least_pa = kClearlyPressed * noise_pa / std::sqrt(frames(size_ - 1));
+  const double least_pa = kClearSigmas * noise_pa / std::sqrt(frames(size_ - 1));
   contact_.clear();
   for (std::uint32_t i = 0; i < taxels_; ++i) {
     if (last[i] > least_pa) contact_.push_back(i);

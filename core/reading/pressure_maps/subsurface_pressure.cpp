@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/significance.hpp"
 #include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
@@ -17,9 +18,6 @@ constexpr std::array kPullShares{1.0, 0.5, 0.15};
 // Taxels whose pressure changes alike where neither noise nor a pull nor a way explains it; 1 … 100. Too
 // small: a pressure that creeps is taken for a pull. Too large: the pressure says nothing on real skins.
 constexpr double kAlikeTaxels = 30;
-// The deviations of noise from which on such a change counts; 2 … 5. Too small: noise is taken for it. Too
-// large: as above.
-constexpr double kSurely = 3;
 
 }  // namespace
 
@@ -90,7 +88,7 @@ void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double nor
   const double left_pa2 =
       std::max(0.0, square_pa2 - explained_pa2(of_x, of_y, normal_n)) / std::max(1.0, taxels - kWays);
   // That no noise explains: the deviation of a mean square, and that of the noise as it is measured.
-  const double surely = 1 + kSurely * std::sqrt(2 * kOfMeasuredNoise / taxels);
+  const double surely = 1 + kClearSigmas * std::sqrt(2 * kOfMeasuredNoise / taxels);
   frame_.pressure_weight =
       pulled_ ? 0
               : frame_.shear_pa2 / (noise_pa2 + kAlikeTaxels * std::max(0.0, left_pa2 - surely * noise_pa2));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/significance.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -126,7 +127,7 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   const double slipping = plateau.normal_pa / frame_.normal_pa;
   frame_.all_slipped = slipping > options_.all_slip_share;
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
-      plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
+      plateau.slope < -kClearSigmas * plateau.slope_sigma)
     return out;
   if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma))
     return out;

@@ -43,10 +43,6 @@ struct FrictionPlateauOptions {
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;
-  // A ratio that falls with pressure by more than this many of its standard deviations is no plateau, but the
-  // flank of taxels that stick, which noise has blurred; 2 … 5. Too small: plateaus are refused. Too large:
-  // friction comes out too low where nothing slips yet.
-  double falling_sigmas = 3;
   // A plateau's ratios rise with pressure, and so fall towards the rim, if that slope over its standard
   // deviation is above this in the mean of frames; 0.2 … 1.5. Too small: friction that fell after a regrip is
   // seen late. Too large: ratios that stick after a regrip or a reversal are read as friction.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/significance.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "core/reading/torque/torque_kernels.hpp"
 #include "core/simd/instruction_sets.hpp"
@@ -68,7 +69,7 @@ bool TorqueMomentRatio::half_space(const Ratio& ratio, double gamma, double coar
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
   return std::fabs(ratio.fourth - expected) <
-         options_.fourth_slack + options_.fourth_rim * coarse * coarse + options_.fourth_sigmas * ratio.noise;
+         options_.fourth_slack + options_.fourth_rim * coarse * coarse + kClearSigmas * ratio.noise;
 }
 
 Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
@@ -87,7 +88,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
                       side_m_, options_.deviation);
   const Ratio ratio = as_of_pull(ratio_of(loaded, along, spin), std::fabs(spin) / (std::fabs(spin) + along));
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
-  const double open = options_.range_sigmas * std::hypot(ratio.noise, common);
+  const double open = kClearSigmas * std::hypot(ratio.noise, common);
   if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
       !deviation.hertzian(options_.deviation))
     return out;

@@ -21,12 +21,11 @@ struct TorqueMomentRatioOptions {
   // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
-  // The ratio of fourth moments agrees with that of a half space within the sum of the first, the second
-  // times (side/a)^2 and the third in standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small:
-  // half spaces are refused. Too large: Winkler foundations and other histories pass.
+  // The ratio of fourth moments agrees with that of a half space within the sum of its noise, the first, and
+  // the second times (side/a)^2; 0.02 … 0.2, 0 … 1. Too small: half spaces are refused. Too large: Winkler
+  // foundations and other histories pass.
   double fourth_slack = 0.05;
   double fourth_rim = 0.1;
-  double fourth_sigmas = 3;
   // Contacts with a smaller side/a are answered above this margin only; 0 … 0.4; Gamma, 0.5 … 0.8. There
   // FrictionPlateau, which assumes no half space, finds what slips. A skin like a Winkler foundation has
   // ratios as a half space near slip, so that a ratio of a large margin is none of it. Too small: such skins
@@ -36,9 +35,6 @@ struct TorqueMomentRatioOptions {
   // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
   // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
   double max_noise = 0.035;
-  // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
-  // frames near slip unanswered. Too large: other histories pass.
-  double range_sigmas = 3;
   // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
   // loads get an answer. Too large: margins are imprecise.
   double max_sigma = 0.15;

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
 // Margin under torque from which on taxels that nearly slip round off the plateau of those that slip, 0.3 …
-// 0.7: moments answer where both agree within so many standard deviations, 1 … 4. Too small: moments are
-// computed for nothing. Too large: margins are too low.
-constexpr double kRoundedGamma = 0.45, kAlikeSigmas = 2.5;
+// 0.7: moments answer where both agree. Too small: moments are computed for nothing. Too large: margins are
+// too low.
+constexpr double kRoundedGamma = 0.45;
 
 // What a plateau's ratio holds, over the most of it while its taxels stuck, below which friction has fallen;
 // 0.8 … 0.98. Too small: friction that fell after a regrip is seen late. Too large: a load that turns is
@@ -37,7 +39,7 @@ Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPull
     const Reading by_moments = moments_.estimate(loaded, pull);
     if (!reading.in_model || (by_moments.in_model && by_moments.sigma < reading.sigma &&
                               std::fabs(by_moments.gamma - reading.gamma) <
-                                  kAlikeSigmas * std::hypot(by_moments.sigma, reading.sigma)))
+                                  kClearSigmas * std::hypot(by_moments.sigma, reading.sigma)))
       return by_moments;
   }
   return reading;
