@@ -52,7 +52,7 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       std::max(patch.noise_normal_pa * patch.noise_normal_pa, last_noise_pa_ * last_noise_pa_) *
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
-  const bool known = unlikeness_.frames >= options.memory_frames;
+  const bool known = unlikeness_.frames >= options.learning_frames;
   const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
   const bool jumped = known && unlikeness > least && unlikeness > options.usual_factor * unlikeness_.mean &&
                       unlikeness > options.peak_factor * unlikeness_.peak &&
@@ -68,7 +68,7 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
   const double step_n = std::hypot(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
   const double by_noise = patch.shear_sigma_n / patch.shear_n +
                           last_shear_sigma_n_ / std::hypot(last_shear_x_n_, last_shear_y_n_);
-  const bool known = turn_.frames >= options.memory_frames;
+  const bool known = turn_.frames >= options.learning_frames;
   const bool jumped =
       known && turn_rad > options.least_turn_rad && step_n > options.least_turn_share * patch.normal_n &&
       turn_rad > options.usual_factor * turn_.mean && turn_rad > options.noise_factor * by_noise;

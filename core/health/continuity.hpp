@@ -25,9 +25,10 @@ struct ContinuityOptions {
   // Frames are compared if the time between them is at most so many usual ones; 1 … 10. Too small: nothing is
   // compared on a busy machine. Too large: what a contact did while frames were lost is called a jump.
   double regular_steps = 2;
-  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000. Too small: chance.
-  // Too large: the beginning of a quick motion is called a jump.
+  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000 and 4 … 100. Too
+  // small: chance. Too large: the beginning of a quick motion is called a jump.
   double memory_frames = 32;
+  std::uint32_t learning_frames = 16;
   // Unlikeness of two frames' pressures (PatternChange) that no contact makes: at least this, 0.05 … 0.5,
   // beyond the usual and beyond what noise makes by a factor, 2 … 100 each. Too small: rolling contacts jump.
   // Too large: another contact's frames are believed.

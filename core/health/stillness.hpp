@@ -16,13 +16,15 @@ struct GroupChange {
 };
 
 struct StillnessOptions {
-  // Frames over which shares are averaged, and before anything is said; frames, 16 … 1000. Too small: they
-  // scatter, and a slow start is taken for the sensor's way. Too large: a sensor whose rate was changed is
-  // misjudged, and one that freezes early believed, for longer.
-  double memory_frames = 64;
+  // Frames before anything is said; frames, 8 … 1000. Too small: a slow start is taken for the sensor's way.
+  // Too large: a sensor that freezes early is believed.
+  std::uint32_t learning_frames = 32;
+  // Frames over which shares are averaged; frames, 16 … 10000. Too small: they scatter. Too large: a sensor
+  // whose rate was changed is misjudged for longer.
+  double memory_frames = 128;
   // Share of changes that turn, from which the values have noise; 0.1 … 0.5. Independent noise turns in 2 of
   // 3 frames, a load without noise hardly ever. Too small: a trembling load without noise passes for noise.
-  // Too large: noise under a fast load is not seen.
+  // Too large: noise under a fast load is not seen, and a frozen sensor is believed.
   double noise_turns = 0.25;
   // The most that is believed of how often a value changes; 0.5 … 0.99. Too small: dead groups of few values
   // are noticed late. Too large: few values that repeat by chance are called dead.
@@ -48,7 +50,7 @@ class Stillness {
 
   // The values have noise.
   bool noisy(const StillnessOptions& options) const noexcept {
-    return frames_ >= options.memory_frames && turning_ >= options.noise_turns;
+    return frames_ >= options.learning_frames && turning_ >= options.noise_turns;
   }
 
   // Mean share of values that change in a frame, 0 … 1.

@@ -89,7 +89,7 @@ std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
     const double now = std::abs(newest_.moments[m]), then = std::abs(reference_.moments[m]);
     const double now_sigma = std::hypot(newest_.noise[m], rim);
     const double then_sigma = std::hypot(reference_.noise[m], rim);
-    if (now < options_.clear_sigmas * now_sigma || then < options_.clear_sigmas * then_sigma) continue;
+    if (now < kStandsOutSigmas * now_sigma || then < kStandsOutSigmas * then_sigma) continue;
     const double turn = std::arg(newest_.moments[m] * std::conj(reference_.moments[m])) / arms;
     const double period = 2 * std::numbers::pi / arms;
     angles[m] = turn + period * std::round((angle_rad_ - turn) / period);

@@ -25,9 +25,6 @@ struct TurnedAngleOptions {
   // Frames whose mean is the pattern that angles are counted from; 1 … 50. Too small: its noise is in each
   // angle. Too large: a turn soon after the grip is not counted.
   int reference_frames = 5;
-  // A moment that does not exceed noise and rim by this many standard deviations has no direction; 3 … 10.
-  // Too small: round contacts get angles. Too large: weak features give none.
-  double clear_sigmas = 4;
   // Error of each part of a moment by square taxels on a round rim, over (side/a)^3; 0 … 0.5. On Hertz
   // contacts anywhere on a grid, side/a from 0.1 to 1, the largest is 0.6 of this, and 4 times their root
   // mean square. Too small: the grid's own directions pass for the object's. Too large: coarse arrays give no

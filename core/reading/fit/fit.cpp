@@ -232,7 +232,7 @@ bool Fit::take_last_step(Minimum& minimum) noexcept {
   const double squares = -step.dot(gradient);  // of its length in standard deviations
   Vector at = minimum.at + step;
   at[margin] = std::clamp(at[margin], options_.min_gamma, options_.max_gamma);
-  const double most = options_.most_last_step_sigmas;
+  const double most = kStandsOutSigmas;
   if (!at.allFinite() || !(squares < most * most) || !(at[radius] > 0)) return false;
   const auto move = [&](Sheet& sheet, double by_radius) {
 #pragma omp simd

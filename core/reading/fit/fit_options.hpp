@@ -22,9 +22,6 @@ struct FitOptions {
   double first_blocks_along_radius = 4;
   // converged_sigmas on those; 0.01 … 0.5. Too small: more steps, for nothing. Too large: as above.
   double first_converged_sigmas = 0.2;
-  // Length of the last step from which on one does not do; standard deviations, 2 … 10. Too small: costs
-  // time. Too large: what is not linear in the unknowns shows.
-  double most_last_step_sigmas = 6;
   // Range of Gamma within which the fit searches; 1e-9 … 0.01 and 0.99 … 1. Too wide: the normal equations
   // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
   double min_gamma = 1e-6;

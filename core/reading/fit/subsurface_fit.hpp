@@ -64,16 +64,10 @@ struct SubsurfaceFitOptions {
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
-  // Deviation of the slip moment from a monotonic load's from which on a frame has another history; standard
-  // deviations, 2 … 8. Too small: frames are refused for noise. Too large: a regrip passes.
-  double max_history_sigmas = 4;
   // Standard deviation of Gamma, over Gamma, of contacts at least twice as wide as a skin on a rigid base is
   // thick, which are no half spaces' (docs/theory.md §5.5); 0 … 0.3. Too small: their margins are off by more
   // than sigma says. Too large: they get none.
   double layer_sigma = 0.12;
-  // Floor of the shear moments' sigmas under a skin, of the shear; 0.002 … 0.1: few domes stand for any
-  // history. Too small: the friction filter believes one frame. Too large: it learns slowly.
-  double moments_floor = 0.01;
 };
 
 // Of an array; see FewTaxelsSubsurfaceFit for others.

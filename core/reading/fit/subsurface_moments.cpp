@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
+#include "core/reading/method/method.hpp"
 
 namespace slipd {
 namespace {
@@ -111,7 +113,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   slip[by_size] = 2 * (5.0 / 3 * shear_n - slip.dot(found));
   legendre[by_size] = legendre_by_size.dot(found);
   out.moments = {slip.dot(found), legendre.dot(found)};
-  const double common_n = options_.moments_floor * std::fabs(shear_n);
+  const double common_n = kFewTermsFloor * std::fabs(shear_n);
   const auto sigma_of = [&](const ColumnVector& of) { return std::sqrt(of.dot(solved.solve(of))); };
   out.moments_sigma = {std::hypot(sigma_of(slip), common_n), std::hypot(sigma_of(legendre), 2 * common_n)};
   out.moments_common_sigma = {common_n, 2 * common_n};
@@ -131,7 +133,7 @@ bool SubsurfaceFit::looks_monotonic(const Reading& estimate) const noexcept {
                open_n = 0.5 * (slip_moment_n(estimate.gamma - estimate.sigma) -
                                slip_moment_n(estimate.gamma + estimate.sigma));
   return std::fabs(estimate.moments.slip_moment_n - expected_n) <
-         options_.max_history_sigmas * std::hypot(sigma_n, open_n);
+         kStandsOutSigmas * std::hypot(sigma_n, open_n);
 }
 
 }  // namespace slipd

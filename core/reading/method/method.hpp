@@ -14,6 +14,10 @@
 
 namespace slipd {
 
+// Floor of the shear moments' sigmas where few domes or maps stand for any history, of the shear; 0.002 …
+// 0.1. Too small: the friction filter believes one frame. Too large: it learns slowly.
+inline constexpr double kFewTermsFloor = 0.01;
+
 // Sigma of Gamma, of 1 - Gamma, below which a frame gives friction; 0.1 … 1. Near no load friction is a ratio
 // of two small numbers. Too small: friction is given late. Too large: its sigma is not meant, because the
 // likelihood is no parabola.

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/reading/method/method.hpp"
+
 namespace slipd {
 namespace {
 
-// Floor of the moments' deviations, of the shear; 0.002 … 0.1: few terms stand for any history. Too small:
-// the friction filter believes one frame. Too large: it learns slowly.
-constexpr double kMomentsFloor = 0.01;
 // Friction of a term, standard deviation: traction between two of them is at most twice the contact's; 0.3 …
 // 1. Too small: reversed loads come out too small. Too large: the moments' deviations are too large.
 constexpr double kUsualFriction = 0.5;
@@ -39,7 +38,7 @@ bool JaegerDecomposition::solve(const Read& read) noexcept {
                 friction_.dot(read.products.lazyProduct(friction_)) -
                 read.values * read.noise_pa2 * (1 + maps);
   moments_ = {friction_.dot(slip_n_), friction_.dot(legendre_n_)};
-  const double floor_n = kMomentsFloor * std::fabs(shear_n_);
+  const double floor_n = kFewTermsFloor * std::fabs(shear_n_);
   const auto sigma_of = [&](const Terms& of, double at_least_n, double& common_n) {
     const Terms by = solved.solve(of);
     const double own_n2 = std::max(0.0, by.dot(products.lazyProduct(by)));

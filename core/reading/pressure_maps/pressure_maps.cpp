@@ -158,7 +158,7 @@ const PressureMaps::Trial* PressureMaps::best_trial() const noexcept {
 }
 
 double PressureMaps::unexplained_share(const Squares& squares) const noexcept {
-  if (!(squares.excess_pa2 > options_.clear_sigmas * squares.noise_pa2)) return 0;
+  if (!(squares.excess_pa2 > kClearSigmas * squares.noise_pa2)) return 0;
   return std::sqrt(squares.excess_pa2 / std::max(squares.explained_pa2, squares.excess_pa2));
 }
 

@@ -57,11 +57,9 @@ struct PressureMapsOptions {
   // 1 - cos^2 between the frame's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small:
   // real skins that creep get no margin. Too large: a contact that has moved or rolled since gets one.
   double most_unlike = 0.01;
-  // The greatest share of the shear that is not explained: square root of the ratio of the sums of squares,
-  // 0.05 … 0.4; and the standard deviations of noise from which on it counts; 2 … 6. Too small: real contacts
-  // are refused. Too large: another load history passes.
+  // The greatest share of the shear that is clearly not explained: square root of the ratio of the sums of
+  // squares, 0.05 … 0.4. Too small: real contacts are refused. Too large: another load history passes.
   double most_unexplained = 0.2;
-  double clear_sigmas = 4;
   // Sigma of Gamma over that share; 0 … 2. Too small: sigma is less than the error of contacts whose shear is
   // not quite the difference of two maps. Too large: it is more.
   double unexplained_sigma = 0.5;
