@@ -1,5 +1,6 @@
-// count-estimates METHOD SIDE FRAMES: the whole chain over so many frames of a simulated grasp; prints how many got a margin. It measures
-// nothing itself: tools/instructions counts what two runs of different length execute.
+// count-estimates METHOD SIDE FRAMES: the whole chain over so many frames of a simulated grasp; prints how
+// many got a margin. It measures nothing itself: tools/instructions counts what two runs of different length
+// execute.
 #include <cstdlib>
 #include <iostream>
 #include <string>
@@ -16,7 +17,8 @@ int estimate(const std::string& method, std::size_t side, std::size_t frames) {
   slipd::EstimatorChain chain(setup, slipd::needs_model(setup) ? model_of(setup) : nullptr);
   Grasp grasp(side, kFramesOfGrasp);
   std::size_t answered = 0;
-  for (std::size_t i = 0; i < frames; ++i) answered += chain.estimate(grasp.next()).state == slipd::State::ok ? 1 : 0;
+  for (std::size_t i = 0; i < frames; ++i)
+    answered += chain.estimate(grasp.next()).state == slipd::State::ok ? 1 : 0;
   std::cout << answered << '\n';
   return EXIT_SUCCESS;
 }

@@ -82,7 +82,8 @@ void chain_of_side(benchmark::State& state, MethodChoice choice) {
   }
   times.report(state);
   state.counters["answered"] = static_cast<double>(answered) / static_cast<double>(asked);
-  if (asked >= 1000 && 2 * answered < asked) state.SkipWithError("the chain answers less than half of the frames");
+  if (asked >= 1000 && 2 * answered < asked)
+    state.SkipWithError("the chain answers less than half of the frames");
 }
 
 // A frame from the shared cache, read once by memcpy.

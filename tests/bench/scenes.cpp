@@ -91,7 +91,8 @@ constexpr double kLeastForce_n = 1, kMostForce_n = 3, kMostLoad = 0.8;  // the l
 Grasp::Grasp(std::size_t side, std::size_t count) : memory_(3 * side * side * count) {
   sim::SensorSettings settings;
   settings.imperfections.noise = 0.02;
-  // Ends as it began, so that it goes on for ever as one grasp: a load that came from nowhere would be a fault of the sensor.
+  // Ends as it began, so that it goes on for ever as one grasp: a load that came from nowhere would be a
+  // fault of the sensor.
   sim::Phase press, load, unload, ease;
   for (sim::Phase* const phase : {&press, &load, &unload, &ease}) {
     phase->duration_ns = static_cast<std::int64_t>(count) * 250'000;

@@ -38,7 +38,8 @@ class Frames {
   std::size_t at_ = 0;
 };
 
-// One grasp of a simulated sensor as its driver would send it, 1 kHz, 2 % of sensor noise: pressed, loaded, unloaded, eased, for ever.
+// One grasp of a simulated sensor as its driver would send it, 1 kHz, 2 % of sensor noise: pressed, loaded,
+// unloaded, eased, for ever.
 class Grasp {
  public:
   Grasp(std::size_t side, std::size_t count);
