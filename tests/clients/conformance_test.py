@@ -195,7 +195,7 @@ class Scenarios:
         client = self.subscribed(daemon, max_age_s=STALL_AGE_S)
         ways = (("latest", "left", STALL_AGE_S), ("next",), ("gamma", "left", STALL_AGE_S, STALL_AGE_S))
         client.until(has_margin, "latest", "left", OLD_S)
-        daemon.process.send_signal(signal.SIGSTOP)
+        daemon.stand_still()
         for way in ways:
             client.until(lambda answer: answer["state"] in ("stale", "disconnected"), *way)
             for _ in range(5):

@@ -435,7 +435,7 @@ class LargeScenarios:
 
     def test_more_frames_at_once_than_there_are_slots_all_come(self):
         with self.make("left", taxels=self.SIDE ** 2, rate_hz=RATE_HZ, unit="Pa", zeroed=True, path=self.daemon.socket) as source:
-            self.daemon.process.send_signal(signal.SIGSTOP)
+            self.daemon.stand_still()
             try:
                 for number in range(1, 7):
                     source.push([[0.0, 0.0, float(number)]] * self.SIDE ** 2)

@@ -56,7 +56,7 @@ class Losses(unittest.TestCase):
         daemon = self.slipd()
         board, fresh = self.board(daemon), self.board(daemon)
         self.looked(board, lambda each: each.state == "ok")
-        daemon.process.send_signal(signal.SIGSTOP)
+        daemon.stand_still()
         self.looked(board, lambda each: each.state == "disconnected", 0)
         for each in (board, fresh):
             for _ in range(1000):
@@ -69,7 +69,7 @@ class Losses(unittest.TestCase):
         daemon = self.slipd()
         with slipd.Client(daemon.socket) as client:
             first(client.estimates("left", max_age_s=OLD_S), lambda each: each.state == "ok")
-        daemon.process.send_signal(signal.SIGSTOP)
+        daemon.stand_still()
         with self.crowd(daemon):
             board = self.board(daemon)
             for _ in range(1000):
@@ -81,7 +81,7 @@ class Losses(unittest.TestCase):
 
     def test_attach_says_that_slipd_does_not_answer(self):
         daemon = self.slipd()
-        daemon.process.send_signal(signal.SIGSTOP)
+        daemon.stand_still()
         board = self.board(daemon)
         board.timeout_s = 0.05
         with self.assertRaises(TimeoutError):
@@ -93,7 +93,7 @@ class Losses(unittest.TestCase):
         self.looked(board, lambda each: each.state == "ok")
         generation = board.generation
         for _ in range(3):
-            daemon.process.send_signal(signal.SIGSTOP)
+            daemon.stand_still()
             self.looked(board, lambda each: each.state == "disconnected", 0)
             daemon.process.send_signal(signal.SIGCONT)
             self.looked(board, lambda each: each.state == "ok")
@@ -123,7 +123,7 @@ class Losses(unittest.TestCase):
             estimates = client.estimates("left", max_age_s=0.2)
             self.addCleanup(estimates.close)
             first(estimates, lambda each: each.alert == "slip")
-            daemon.process.send_signal(signal.SIGSTOP)
+            daemon.stand_still()
             self.assertEqual(first(estimates, lambda each: each.seq is None and each.state == "stale").alert, "slip")
             daemon.end(signal.SIGKILL)
             self.assertEqual(first(estimates, lambda each: each.state == "disconnected").alert, "slip")

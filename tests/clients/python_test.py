@@ -33,6 +33,11 @@ class Daemon:
         self.drain = threading.Thread(target=self.process.stderr.read)  # so that it never waits for its log to be read
         self.drain.start()
 
+    def stand_still(self):
+        """Returns once all its threads do: on a busy machine they go on until the one that takes the signal is run."""
+        self.process.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, self.process.pid, os.WSTOPPED)
+
     def end(self, how=signal.SIGTERM):
         self.process.send_signal(signal.SIGCONT)
         self.process.send_signal(how)
@@ -132,7 +137,7 @@ class WithSlipd(unittest.TestCase):
     def test_shared_memory_tells_of_a_stopped_a_killed_and_a_reloaded_slipd_and_goes_on(self):
         board = self.board()
         self.looked(board, "left", lambda each: each.state == "ok")
-        self.daemon.process.send_signal(signal.SIGSTOP)
+        self.daemon.stand_still()
         board.timeout_s = 0.1
         self.assertIsNone(self.looked(board, "left", lambda each: each.state == "disconnected", 0.05).gamma)
         board.timeout_s = PATIENCE_S
@@ -160,7 +165,7 @@ class WithSlipd(unittest.TestCase):
     def test_a_stopped_slipd_is_stale_and_then_goes_on(self):
         estimates = self.estimates("left", max_age_s=0.2)
         first(estimates, lambda each: each.state != "stale")
-        self.daemon.process.send_signal(signal.SIGSTOP)
+        self.daemon.stand_still()
         self.assertIsNone(first(estimates, lambda each: each.state == "stale" and each.seq is None).gamma)
         self.daemon.process.send_signal(signal.SIGCONT)
         first(estimates, lambda each: each.seq is not None)
