@@ -107,7 +107,7 @@ contact; svd-knn with contacts in the middle, all others up to 2 mm off.
 {picture("taxels", "time of a frame against taxels")}
 {paper}
 `all of the chain` adds friction over time, states, alerts and forecast. **Its rows are not comparable with the rows above**: its frames are those of
-one simulated grasp, where most frames need no new fit.
+one simulated grasp, pressed, loaded, unloaded and eased for ever, where most frames need no new fit.
 {f"scikit-learn {peer['version']} with {peer['blas']}. An empty predict is the overhead of a call, which is part of its time one by one." if peer else "scikit-learn is left out."}
 
 svd-knn on 16 x 16 by the number of points in its model:
