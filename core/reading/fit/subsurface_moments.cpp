@@ -132,8 +132,7 @@ bool SubsurfaceFit::looks_monotonic(const Reading& estimate) const noexcept {
   const double expected_n = slip_moment_n(estimate.gamma),
                open_n = 0.5 * (slip_moment_n(estimate.gamma - estimate.sigma) -
                                slip_moment_n(estimate.gamma + estimate.sigma));
-  return std::fabs(estimate.moments.slip_moment_n - expected_n) <
-         kClearSigmas * std::hypot(sigma_n, open_n);
+  return std::fabs(estimate.moments.slip_moment_n - expected_n) < kClearSigmas * std::hypot(sigma_n, open_n);
 }
 
 }  // namespace slipd
