@@ -1,17 +1,17 @@
-// How far above its own noise something has to be to be there: the same for all that asks, as nothing asks
-// for another risk.
+// Significance thresholds that all rooms share: how far a quantity has to exceed its own noise to be
+// detected.
 #pragma once
 
 namespace slipd {
 
-// Standard deviations of its own noise above which a quantity is told from noise, and by which two have to
-// differ to be two; 2 … 5. Gaussian noise passes 3 once in 740 times, and few things are asked of a frame.
-// Too small: noise passes for a load, a turn, another shape. Too large: what is light or slow has no answer.
+// A quantity is detected if it exceeds this many standard deviations of its noise, and two are different if
+// they differ by as many; 2 … 5. Gaussian noise exceeds 3 once in 740 frames, on one side. Too small: noise
+// passes for a load, a turn, another shape. Too large: what is light or slow has no answer.
 inline constexpr double kClearSigmas = 3;
 
-// The same of what is asked of each taxel, or begins or ends a contact; 3 … 10. Gaussian noise passes 5 once
-// in a few million taxels, uniform noise never (its bound is 1.73). Too small: noise is taken for a contact.
-// Too large: light contacts are missed.
+// The same where many taxels are tested in each frame, or a false detection would begin or end a contact; 3
+// … 10. Gaussian noise exceeds 5 once in a few million taxels, uniform noise never (its bound is 1.73). Too
+// small: noise is taken for a contact. Too large: light contacts are missed.
 inline constexpr double kStandsOutSigmas = 5;
 
 }  // namespace slipd

@@ -3,16 +3,14 @@
 Lengths mm, forces N, stresses MPa. The gel is a plate, much wider than the contact, bonded below. The object moves along x, so that
 half of it is enough: y >= 0, mirrored at y = 0. Small displacements, linear elasticity; Coulomb friction with a penalty.
 """
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class Gel:
-    thickness: float = 4.0
-    young: float = 0.3  # only scales forces
-    poisson: float = 0.45  # near rubber, and not so near that the elements lock
+THICKNESS = 4.0
+YOUNG = 0.3  # only scales forces
+POISSON = 0.45  # near rubber, and not so near that the elements lock
 
 
 @dataclass(frozen=True)
@@ -34,30 +32,40 @@ OBJECTS = (Object("sphere", depth=0.08, shift=0.055), Object("punch", depth=0.03
 
 @dataclass(frozen=True)
 class Mesh:
-    cell: float = 0.2  # near the contact
+    cell: float  # side of the elements near the contact
     reach: float = 3.0  # half the side of that part
     far: float = 16.0  # half the gel's width
     layers: int = 0  # even ones; 0: thin ones above, thicker ones below
-    x: np.ndarray = field(init=False)
-    y: np.ndarray = field(init=False)
-    z: np.ndarray = field(init=False)
 
-    def __post_init__(self):
-        near = np.arange(round(self.reach / self.cell) + 1) * self.cell
-        half = np.concatenate([near, graded(self.reach, self.cell, self.far, 1.4)])
-        object.__setattr__(self, "y", half)
-        object.__setattr__(self, "x", np.concatenate([-half[:0:-1], half]))
-        down = np.linspace(0, Gel.thickness, self.layers + 1)[1:] if self.layers else graded(0, self.cell / 2, Gel.thickness, 1.35)
-        object.__setattr__(self, "z", -np.concatenate([[0], down]))
+    @property
+    def near(self):
+        """Small cells from the middle to the edge of their part."""
+        return round(self.reach / self.cell)
+
+    @property
+    def first(self):
+        """Index along x of the first of them."""
+        return len(self.y) - 1 - self.near
+
+    @cached_property
+    def y(self):
+        return np.concatenate([np.arange(self.near + 1) * self.cell, graded(self.reach, self.cell, self.far, 1.4)])
+
+    @cached_property
+    def x(self):
+        return np.concatenate([-self.y[:0:-1], self.y])
+
+    @cached_property
+    def z(self):
+        down = np.linspace(0, THICKNESS, self.layers + 1)[1:] if self.layers else graded(0, self.cell / 2, THICKNESS, 1.35)
+        return -np.concatenate([[0], down])
 
     def node(self, i, j, k):
         return 1 + i + len(self.x) * (j + len(self.y) * k)
 
     def top_cells(self):
         """(i, j) of the elements below the part near the contact, all of them in one grid."""
-        near = round(self.reach / self.cell)
-        first = len(self.y) - 1 - near
-        return [(first + i, j) for j in range(near) for i in range(2 * near)]
+        return [(self.first + i, j) for j in range(self.near) for i in range(2 * self.near)]
 
 
 def graded(start, step, end, ratio):
@@ -80,7 +88,7 @@ def lines(keyword, rows):
     return keyword + "\n" + "".join(",".join(f"{each:.9g}" if isinstance(each, float) else str(each) for each in row) + "\n" for row in rows)
 
 
-def gel_part(mesh, gel):
+def gel_part(mesh):
     x, y, z = mesh.x, mesh.y, mesh.z
     nodes = [(mesh.node(i, j, k), float(x[i]), float(y[j]), float(z[k]))
              for k in range(len(z)) for j in range(len(y)) for i in range(len(x))]
@@ -95,7 +103,7 @@ def gel_part(mesh, gel):
             lines("*NSET,NSET=SURFACE", [(mesh.node(i, j, 0),) for j in range(len(y)) for i in range(len(x))]) +
             lines("*NSET,NSET=BASE", [(mesh.node(i, j, last),) for j in range(len(y)) for i in range(len(x))]) +
             lines("*NSET,NSET=MIRROR", [(mesh.node(i, 0, k),) for k in range(last) for i in range(len(x))]) +
-            f"*MATERIAL,NAME=GEL\n*ELASTIC\n{gel.young},{gel.poisson}\n*SOLID SECTION,ELSET=GEL,MATERIAL=GEL\n"
+            f"*MATERIAL,NAME=GEL\n*ELASTIC\n{YOUNG},{POISSON}\n*SOLID SECTION,ELSET=GEL,MATERIAL=GEL\n"
             "*BOUNDARY\nBASE,1,3\nMIRROR,2,2\n"), len(nodes), len(elements)
 
 
@@ -111,7 +119,7 @@ def object_part(mesh, what, first_node, first_element):
     cells = [(i, j) for j in range(len(across) - 1) for i in range(len(along) - 1)]
     elements = [[first_element + n, *hexahedron(node, i, j, 0, 1)] for n, (i, j) in enumerate(cells)]
     handle = first_node + len(nodes)
-    stiffness = Gel.young / mesh.cell
+    stiffness = YOUNG / mesh.cell
     return (lines("*NODE,NSET=OBJECT", nodes) + lines("*NODE", [(handle, 0.0, 0.0, 1.0), (handle + 1, 0.0, 0.0, 1.0)]) +
             lines("*ELEMENT,TYPE=C3D8,ELSET=OBJECT", elements) +
             "*MATERIAL,NAME=STEEL\n*ELASTIC\n1000,0.3\n*SOLID SECTION,ELSET=OBJECT,MATERIAL=STEEL\n"
@@ -126,18 +134,18 @@ def object_part(mesh, what, first_node, first_element):
 PRINTED = "*NODE PRINT,NSET=SURFACE\nU\n*NODE PRINT,NSET=HANDLE\nRF\n*EL PRINT,ELSET=TOP\nS\n"
 
 
-def dragged(mesh, gel, what, presses=8, drags=12):
+def dragged(mesh, what, presses=8, drags=12):
     """Input: the object is pressed in, then dragged along x."""
-    part, nodes, elements = gel_part(mesh, gel)
+    part, nodes, elements = gel_part(mesh)
     rigid, handle = object_part(mesh, what, nodes + 1, elements + 1)
     down = f"*BOUNDARY\n{handle},3,3,{-what.depth}\n"
     return (part + rigid + f"*STEP,INC=1000\n*STATIC\n{1 / presses},1,1e-5,{1 / presses}\n{down}{PRINTED}*END STEP\n"
             f"*STEP,INC=1000\n*STATIC\n{1 / drags},1,1e-5,{1 / drags}\n{down}{handle},1,1,{what.shift}\n{PRINTED}*END STEP\n")
 
 
-def loaded(mesh, gel, tractions):
-    """Input: the gel under given tractions; x, y: arrays of nodes, N of a node's share of tx, ty, p."""
-    part, _, _ = gel_part(mesh, gel)
+def loaded(mesh, tractions):
+    """Input: the gel under given tractions: (node, forces along x, y, z), N."""
+    part, _, _ = gel_part(mesh)
     rows = [(node, axis + 1, float(force)) for node, forces in tractions for axis, force in enumerate(forces) if force]
     return part + "*STEP\n*STATIC\n" + lines("*CLOAD", rows) + "*NODE PRINT,NSET=SURFACE\nU\n*EL PRINT,ELSET=BOTTOM\nS\n*END STEP\n"
 
@@ -154,7 +162,7 @@ class Found:
 
 def moments_of(path, mesh):
     """Reads CalculiX's .dat: what Found has, for each increment."""
-    near = round(mesh.reach / mesh.cell)
+    near, first, named = mesh.near, mesh.first, len(mesh.top_cells())
     tables = {}
     current = None
     for line in open(path, encoding="ascii"):
@@ -168,13 +176,12 @@ def moments_of(path, mesh):
     found = []
     for time, parts in sorted(tables.items()):
         moved = {int(row[0]): row[1:4] for row in parts["displacements"]}
-        first = len(mesh.y) - 1 - near
         nodes = np.array([[moved[mesh.node(first + i, j, 0)] for j in range(near + 1)] for i in range(2 * near + 1)])
         cells = (nodes[1:, 1:] + nodes[:-1, 1:] + nodes[1:, :-1] + nodes[:-1, :-1]) / 4
         traction = np.zeros((2 * near, near, 3))
-        of_base = int(parts["stresses"][0][0]) > len(mesh.top_cells())
+        of_base = int(parts["stresses"][0][0]) > named
         for number, point, _, _, szz, _, sxz, syz in parts["stresses"]:
-            j, i = divmod((int(number) - 1) % len(mesh.top_cells()), 2 * near)
+            j, i = divmod((int(number) - 1) % named, 2 * near)
             stress = np.array([sxz, syz, -szz])
             if of_base:  # continued along the line through both layers of points, 1/sqrt(3) of an element apart
                 traction[i, j] += stress / 4 * ((1 - np.sqrt(3)) / 2 if point > 4 else (1 + np.sqrt(3)) / 2)

@@ -1,6 +1,7 @@
 // The contact model beside finite elements that know nothing of it: CalculiX's stresses at the base of a gel
 // of 4 mm, averaged over taxels of 1 mm, under the tractions of a contact with a radius of 2 mm and a margin
-// of 0.4 (lab/finite_elements; tests/data/finite-elements-base.csv).
+// of 0.4 (`lab/finite_elements/finite-elements SLIPLAB --cell 0.2 --objects --base
+// tests/data/finite-elements-base.csv`).
 #include <gtest/gtest.h>
 
 #include <algorithm>
