@@ -160,7 +160,7 @@ class Service {
   asio::signal_set signals_;
   asio::steady_timer ready_timer_;
   std::chrono::steady_clock::time_point ready_at_latest_;
-  Clients clients_;
+  Clients clients_{io_};
   Recorder recorder_;
   std::unique_ptr<Engine> engine_;
   std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their drivers hangs, so they are never destroyed

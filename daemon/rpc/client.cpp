@@ -1,7 +1,5 @@
 #include "daemon/rpc/client.hpp"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <array>
 #include <asio/post.hpp>
@@ -24,30 +22,34 @@ constexpr std::size_t kMaxNotifications = 256;  // queued for one client
 constexpr std::size_t kMostOwedBytes = std::size_t{512} * 1024;
 constexpr int kMaxLinesAtOnce = 4;
 constexpr int kMaxResponsesPending = 16;  // responses expected before reading stops
-constexpr std::uint64_t kFewClients = 4;  // clients that had input since this one's last
 constexpr auto kLinger = seconds(1);
 
 }  // namespace
 
-Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
-    : socket_(io, socket.release()),
-      may_bear_descriptors_(!refuses_descriptors(socket_.native_handle())),
-      linger_timer_(io),
+Client::Client(UniqueFd socket, Owner& owner)
+    : socket_(std::move(socket)),
+      may_bear_descriptors_(!refuses_descriptors(socket_.get())),
+      linger_timer_(owner.io),
       owner_(owner),
       backlog_(kMaxNotifications),
       owed_(std::make_shared<OwedBytes>(&owner.owed)) {
-  prepare_for_bare(socket_.native_handle());
+  prepare_for_bare(socket_.get());
 }
 
-void Client::read_when_ready() {
-  if (closed_ || reading_ || input_ended_ || yielded_ || hold_back()) return;
-  reading_ = true;
-  socket_.async_wait(asio::posix::stream_descriptor::wait_read,
-                     [self = shared_from_this()](const std::error_code& error) {
-                       self->reading_ = false;
-                       if (error || self->closed_) return;
-                       self->with_memory_or_close([&] { self->on_readable(); });
-                     });
+// A client that sends no more may still read, but not after it hung up. Without notifications no send would
+// fail and show that.
+SocketWatch::Interest Client::interest() noexcept {
+  return {.input = !input_ended_ && !hold_back(), .room = full_, .hang_up = input_ended_};
+}
+
+// Watches the socket for what the client waits for now.
+void Client::watch() {
+  if (closed_) return;
+  const SocketWatch::Interest now = interest();
+  with_memory_or_close([&] {
+    owner_.sockets.watch(socket_.get(), *this, watched_, now);
+    watched_ = now;
+  });
 }
 
 bool Client::owed_too_much() const noexcept {
@@ -77,25 +79,31 @@ void Client::with_memory_or_close(Body body) {
 }
 
 // Reads one piece and handles some lines of it, so that a client that sends without end does not block the
-// others. If many clients are active, all input is read before any response is sent: responses sent in a row
-// wake their readers once.
-void Client::on_readable() {
-  ++owner_.input_rounds;
-  const bool many_active =
-      owner_.input_rounds - std::exchange(last_input_round_, owner_.input_rounds) > kFewClients;
-  receive();
-  take_lines();
-  if (many_active && !closed_) yield();
-  if (yielded_) return;
-  flush();
-  close_if_done();
-  read_when_ready();
+// others.
+void Client::on_ready(const SocketWatch::Interest& ready) {
+  if (closed_) return;
+  with_memory_or_close([&] {
+    if (ready.room || ready.hang_up) full_ = false;
+    if (ready.input) {
+      if (yielded_) return;
+      receive();
+      take_lines();
+    } else if (ready.hang_up) {
+      close();
+    }
+  });
+}
+
+// All that are ready were read before: answers that are sent in a row wake their readers once.
+void Client::answer() {
+  if (closed_) return;
+  with_memory_or_close([&] { go_on(); });
 }
 
 void Client::receive() {
   std::array<char, std::size_t{16} * 1024> bytes;
   bool bears_descriptor = false;
-  const int socket = socket_.native_handle();
+  const int socket = socket_.get();
   const auto got = may_bear_descriptors_ ? receive_bare(socket, bytes, bears_descriptor)
                                          : recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (bears_descriptor)
@@ -142,9 +150,9 @@ void Client::take_lines() {
 // Continues after the other clients were served.
 void Client::yield() {
   if (std::exchange(yielded_, true)) return;
-  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+  asio::post(owner_.io, [self = shared_from_this()] {
     self->yielded_ = false;
-    if (!self->closed_) self->with_memory_or_close([&] { self->on_writable(); });
+    if (!self->closed_) self->with_memory_or_close([&] { self->go_on(); });
   });
 }
 
@@ -171,8 +179,8 @@ void Client::respond(std::string text) {
       owed_->add(text.size() + 1);  // with its end of line
       backlog_.push_response(std::move(text), std::move(passing_));
     }
-    passing_ = {};                 // a notification has no response
-    if (!parsing_) on_writable();  // otherwise take_lines' caller sends it
+    passing_ = {};           // a notification has no response
+    if (!parsing_) go_on();  // otherwise it is sent after all that are ready were read
   });
 }
 
@@ -196,13 +204,13 @@ void Client::turn_away(int code, const std::string& why) {
   if (!within_a_line) {
     const std::string text = rpc::error_text(rpc::kNoId, code, why) + "\n";
     [[maybe_unused]] const auto sent =
-        send(socket_.native_handle(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+        send(socket_.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   }
   close();
 }
 
 void Client::flush() {
-  while (!closed_ && !writing_) {
+  while (!closed_ && !full_) {
     if (sent_ == output_.size()) {
       auto next = backlog_.next();
       if (!next) break;
@@ -215,26 +223,21 @@ void Client::flush() {
       sent_ += static_cast<std::size_t>(sent);
       if (sent_ == output_.size()) sent_whole();
     } else if (errno == EAGAIN) {
-      writing_ = true;
-      socket_.async_wait(asio::posix::stream_descriptor::wait_write,
-                         [self = shared_from_this()](const std::error_code& error) {
-                           self->writing_ = false;
-                           if (error || self->closed_) return;
-                           self->with_memory_or_close([&] { self->on_writable(); });
-                         });
+      full_ = true;
+      watch();
     } else if (errno != EINTR) {
       close();
     }
   }
   if (!closed_ && discarding_ && backlog_.empty() && sent_ == output_.size()) {
-    shutdown(socket_.native_handle(), SHUT_WR);
+    shutdown(socket_.get(), SHUT_WR);
   }
 }
 
 // Sends what the socket takes of output_. Its descriptor goes with the first byte.
 ssize_t Client::send_some() noexcept {
-  const auto sent = send_passing(socket_.native_handle(), std::string_view(output_).substr(sent_),
-                                 output_fd_.get(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  const auto sent = send_passing(socket_.get(), std::string_view(output_).substr(sent_), output_fd_.get(),
+                                 MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent > 0) output_fd_ = {};
   return sent;
 }
@@ -251,46 +254,35 @@ void Client::sent_whole() {
   sent_ = 0;
 }
 
-void Client::on_writable() {
+// Takes lines that wait for a place, and sends what the socket takes.
+void Client::go_on() {
   flush();
   take_lines();
   flush();
   close_if_done();
-  read_when_ready();
+  watch();
 }
 
 void Client::close_if_done() {
   const bool all_sent = backlog_.empty() && sent_ == output_.size();
-  if (!input_ended_ || yielded_) return;
-  if (input_.empty() && all_sent && responses_pending_ == 0 && subscriptions.empty()) return close();
-  watch_for_hang_up();
-}
-
-// A client that sends no more may still read, but not after it hung up. Without notifications no send would
-// fail and show that.
-void Client::watch_for_hang_up() {
-  if (closed_ || watching_hang_up_) return;
-  pollfd now{socket_.native_handle(), 0, 0};
-  if (poll(&now, 1, 0) == 1 && (now.revents & (POLLHUP | POLLERR)) != 0) return close();
-  watching_hang_up_ = true;
-  socket_.async_wait(asio::posix::stream_descriptor::wait_error,
-                     [self = shared_from_this()](const std::error_code& error) {
-                       self->watching_hang_up_ = false;
-                       if (!error) self->watch_for_hang_up();
-                     });
+  if (input_ended_ && !yielded_ && input_.empty() && all_sent && responses_pending_ == 0 &&
+      subscriptions.empty())
+    close();
 }
 
 void Client::close() {
   if (closed_) return;
+  owner_.sockets.watch(socket_.get(), *this, watched_, {});
+  watched_ = {};
   closed_ = true;
   attachment.reset();
   *peer_closed_ = true;
   linger_timer_.cancel();
-  leaving_ = UniqueFd(socket_.release());
+  leaving_ = std::move(socket_);
   let_go();
   // Posted, because the owner may be iterating over its clients.
   try {
-    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.on_closed(); });
+    asio::post(owner_.io, [self = shared_from_this()] { self->owner_.on_closed(); });
   } catch (const std::bad_alloc&) {  // Server::update_statistics removes closed clients too
   }
 }
@@ -298,8 +290,7 @@ void Client::close() {
 ucred Client::peer() const noexcept {
   ucred who{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
   socklen_t length = sizeof who;
-  getsockopt(const_cast<asio::posix::stream_descriptor&>(socket_).native_handle(), SOL_SOCKET, SO_PEERCRED,
-             &who, &length);
+  getsockopt(socket_.get(), SOL_SOCKET, SO_PEERCRED, &who, &length);
   return who;
 }
 

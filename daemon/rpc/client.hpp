@@ -6,7 +6,6 @@
 #include <sys/socket.h>
 
 #include <asio/io_context.hpp>
-#include <asio/posix/stream_descriptor.hpp>
 #include <asio/steady_timer.hpp>
 #include <atomic>
 #include <functional>
@@ -20,23 +19,27 @@
 #include "daemon/rpc/backlog.hpp"
 #include "daemon/rpc/owed_bytes.hpp"
 #include "daemon/rpc/socket_closer.hpp"
+#include "daemon/rpc/socket_watch.hpp"
 #include "daemon/rpc/subscription.hpp"
 
 namespace slipd {
 
 // Not thread-safe. Called from one thread: io.
-class Client : public std::enable_shared_from_this<Client> {
+class Client final : public std::enable_shared_from_this<Client>, private SocketWatch::Watcher {
  public:
   // What all clients of a server share: the callbacks, and counters.
   struct Owner {
+    explicit Owner(asio::io_context& of) : io(of), sockets(of) {}
+    // Where the clients' timers run.
+    asio::io_context& io;
+    // Tells when their sockets are ready.
+    SocketWatch sockets;
     // Called with each whole line, without its end. Not null.
     std::function<void(const std::shared_ptr<Client>&, std::string_view line)> on_line;
     // Called once after the connection was closed. Not null.
     std::function<void()> on_closed;
     // Called after a whole notification was handed to the kernel, with Notification::published_ns. Not null.
     std::function<void(std::int64_t published_ns)> on_notification_sent;
-    // How often a client of this owner had input.
-    std::uint64_t input_rounds = 0;
     // Bytes of answers that the clients have requested and not read yet.
     OwedBytes owed;
     // How often a client was not read from any more because it did not read its answers.
@@ -46,14 +49,14 @@ class Client : public std::enable_shared_from_this<Client> {
   };
 
   // `owner` outlives it; its callbacks may be replaced.
-  Client(asio::io_context& io, UniqueFd socket, Owner& owner);
+  Client(UniqueFd socket, Owner& owner);
   // Leaves a socket that could not be let go to the end of the process, which waits for nothing.
   ~Client() { leaving_.release(); }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
   // Starts reading. Once.
-  void start() { read_when_ready(); }
+  void start() { watch(); }
   // Sends a response to one line; empty: there is none, because the line had only notifications.
   void respond(std::string text);
   // Sends a notification; `lost` as in Backlog.
@@ -98,9 +101,11 @@ class Client : public std::enable_shared_from_this<Client> {
   int subscriptions_made = 0;
 
  private:
-  void read_when_ready();
-  void on_readable();
-  void on_writable();
+  void on_ready(const SocketWatch::Interest& ready) override;
+  void answer() override;
+  void go_on();
+  void watch();
+  SocketWatch::Interest interest() noexcept;
   template <typename Body>
   void with_memory_or_close(Body body);
   void receive();
@@ -113,9 +118,9 @@ class Client : public std::enable_shared_from_this<Client> {
   ssize_t send_some() noexcept;
   void sent_whole();
   void close_if_done();
-  void watch_for_hang_up();
 
-  asio::posix::stream_descriptor socket_;
+  UniqueFd socket_;                  // until it is closed
+  SocketWatch::Interest watched_;    // what it is watched for
   const bool may_bear_descriptors_;  // the kernel does not refuse them
   asio::steady_timer linger_timer_;  // closes a client that goes on sending after it was refused
   Owner& owner_;
@@ -131,12 +136,9 @@ class Client : public std::enable_shared_from_this<Client> {
   std::shared_ptr<std::atomic<bool>> peer_closed_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<OwedBytes> owed_;  // shared with promises, which may outlive it
   int responses_pending_ = 0;
-  std::uint64_t last_input_round_ = 0;  // Owner::input_rounds when it last had input
-  bool reading_ = false;                // a wait for input is pending
-  bool writing_ = false;                // a wait for room is pending
-  bool watching_hang_up_ = false;       // a wait for the other end to hang up is pending
-  bool parsing_ = false;                // take_lines is running; a response within it must not start it again
-  bool yielded_ = false;                // it has more lines, but other clients are served first
+  bool full_ = false;     // the socket takes no more output
+  bool parsing_ = false;  // take_lines is running; a response within it must not start it again
+  bool yielded_ = false;  // it has more lines, but other clients are served first
   bool input_ended_ = false;
   bool held_back_ = false;   // it is not read from, because it owes reading
   bool discarding_ = false;  // its line was too long: input is discarded, then it is closed

@@ -49,8 +49,7 @@ void Clients::forget_closed() {
 
 Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, Recorder& recorder,
                int listener)
-    : io_(io),
-      context_(context),
+    : context_(context),
       clients_(clients),
       methods_(context, recorder),
       listener_(io, listener),
@@ -125,7 +124,7 @@ bool Server::accept_one() {
   }
   if (!socket) return true;
   const bool room = clients_.all.size() < places;
-  const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
+  const auto client = std::make_shared<Client>(out_of_the_way(std::move(socket)), clients_.owner);
   clients_.all.insert(client);
   if (room) {
     client->start();

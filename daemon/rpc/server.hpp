@@ -21,6 +21,7 @@ namespace slipd {
 // The connected clients. They outlive a server, so that clients stay connected over a reload. Used by one
 // thread: io.
 struct Clients {
+  explicit Clients(asio::io_context& io) : owner(io) {}
   // Callbacks of the present server.
   Client::Owner owner;
   // All that are connected.
@@ -64,7 +65,6 @@ class Server {
   void schedule_statistics();
   void update_statistics();
 
-  asio::io_context& io_;
   ServiceContext& context_;
   Clients& clients_;
   RpcMethods methods_;

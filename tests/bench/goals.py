@@ -14,8 +14,8 @@ WHY = {
     "fit": "each step evaluates the model and its slopes on every taxel of the disc",
     "latency": "acquire wakes estimate, estimate wakes io, io wakes the client, and each also keeps its accounts",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
-    "queries": "of a request slipd asks the kernel recvfrom, sendto and, by Asio before it waits again, epoll_ctl, Redis read and write only, and both "
-               "epoll_wait for all that is ready; and the sensor at 1 kHz goes on meanwhile, on the cores that slipd's clients share",
+    "queries": "slipd waits twice where Redis waits once, in Asio's set and in that of its clients (the table of system calls), which counts for few clients only; "
+               "it takes JSON apart and answers what is true now; and the sensor at 1 kHz goes on meanwhile, on the cores that slipd's clients share",
     "shared read": "a whole record is copied under a version that is read before and after, and the clock is read",
     "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the baseline's are "
                        "woken at once again, and the estimate between them",

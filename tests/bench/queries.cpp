@@ -1,8 +1,13 @@
 // The parts of daemon-bench that ask: slipd, Redis and a server that only echoes, by the same clients.
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/bench/daemon_parts.hpp"
 #include "tests/bench/floors.hpp"
@@ -19,6 +24,7 @@ using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 
 constexpr int kRounds = 5;
+constexpr const char* kPerf = "/usr/bin/perf";
 
 Asking gamma_query(const Daemon& daemon, int clients, int subscribers) {
   return {.socket = daemon.socket(),
@@ -57,6 +63,48 @@ void in_turn(const std::map<std::string, Asking>& servers, int clients, millisec
   }
 }
 
+// How often a server enters the kernel for an answer, by what for. A count of perf's, over a part of the time
+// in which it is asked, and divided by the answers of the same part: each was asked for by one read.
+void calls(const std::string& server, pid_t pid, const Asking& asking) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> kinds{
+      {"read", {"recvfrom", "recvmsg", "read"}},
+      {"write", {"sendto", "sendmsg", "write"}},
+      {"wait", {"epoll_wait", "epoll_pwait"}},
+      {"control", {"epoll_ctl"}}};
+  const TempFolder folder;
+  std::vector<std::string> command{kPerf, "stat", "--field-separator", ";", "--pid", std::to_string(pid)};
+  for (const auto& [kind, names] : kinds) {
+    for (const std::string& name : names)
+      command.insert(command.end(), {"--event", "syscalls:sys_enter_" + name});
+  }
+  command.insert(command.end(), {"/usr/bin/sleep", brief ? "0.02" : "0.5"});
+  testing::Program perf(folder, "perf", command);
+  Asked asked;
+  std::optional<int> code;
+  while (!(code = perf.wait(0ms))) asked = ask_for(asking, brief ? 50ms : 1500ms);
+  if (*code != 0)
+    return say(
+        "refused",
+        {{"peer", "perf"}, {"why", perf.errors()}, {"remedy", "run it as root, with linux-perf installed"}});
+  std::map<std::string, double> counted;
+  std::istringstream lines(perf.errors());
+  for (std::string line; std::getline(lines, line);) {
+    const auto at = line.find("sys_enter_");
+    if (at == std::string::npos) continue;
+    const std::string name = line.substr(at + 10, line.find(';', at) - at - 10);
+    counted[name] = std::strtod(line.c_str(), nullptr);
+  }
+  double answers = 0;
+  for (const std::string& name : kinds.front().second) answers = std::max(answers, counted[name]);
+  json values{{"server", server}, {"clients", asking.clients}};
+  for (const auto& [kind, names] : kinds) {
+    double sum = 0;
+    for (const std::string& name : names) sum += counted[name];
+    values[kind] = answers > 0 ? sum / answers : 0;
+  }
+  say("calls", values);
+}
+
 }  // namespace
 
 void queries() {
@@ -76,6 +124,8 @@ void queries() {
     if (redis)
       servers["redis"] = {.socket = redis->socket(), .request = kRedisGet, .newlines = 2, .clients = clients};
     in_turn(servers, clients, whole / kRounds);
+    calls("slipd", daemon.program().pid(), servers.at("slipd"));
+    if (redis) calls("redis", redis->pid(), servers.at("redis"));
   }
   for (const int subscribers : {1, 10, 100}) {
     const Asked asked = ask_for(gamma_query(daemon, 10, subscribers), whole / 2);

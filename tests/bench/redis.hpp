@@ -20,6 +20,7 @@ class Redis {
   static std::unique_ptr<Redis> start();
   std::filesystem::path socket() const { return folder_.file("r.sock"); }
   void set(const std::string& value) const;
+  pid_t pid() const { return program_.pid(); }
 
  private:
   Redis();

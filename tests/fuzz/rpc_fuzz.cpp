@@ -202,7 +202,7 @@ class Stage {
                           .rates_hz = {},
                           .repeats_hz = {}};
   asio::io_context io_;
-  Clients clients_;
+  Clients clients_{io_};
   Recorder recorder_{io_};
   sockaddr_un address_{};
   socklen_t length_ = 0;

@@ -27,6 +27,12 @@ json well(const TempFolder& folder) {
   return config_with(folder, {{{"name", "left"}, {"driver", "trial"}}});
 }
 
+// A system that has no room for another descriptor to wait for once the file "refuse" is in the folder.
+Program::Environment refusal(const TempFolder& folder) {
+  return {{"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-epoll-refusal.so"},
+          {"SLIPD_EPOLL_REFUSAL", folder.file("refuse").string()}};
+}
+
 Ran start_with(const TempFolder& folder, const std::string& config, const std::string& more = "") {
   std::vector<std::string> command{kSlipd, "--config", folder.write("c.json", config).string(),
                                    "--driver-dir", trial_drivers().string()};
@@ -75,15 +81,26 @@ TEST(Life, AFatalErrorEndsItWithAnErrorAlsoWhileADriverHangs) {
     json config = well(folder);
     config["sensors"].push_back(
         {{"name", "ill"}, {"driver", "trial"}, {"options", {{"behaviour", behaviour}, {"after", 5}}}});
-    Daemon daemon(config, trial_drivers(),
-                  {{"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-epoll-refusal.so"},
-                   {"SLIPD_EPOLL_REFUSAL", folder.file("refuse").string()}});
+    Daemon daemon(config, trial_drivers(), refusal(folder));
     daemon.wait_for("status", [](const json& s) { return s["sensors"][1]["received"] >= 5; });
     folder.write("refuse", "");
-    RpcClient client(daemon.socket());
+    daemon.program().signal(SIGHUP);
     EXPECT_EQ(daemon.program().wait(), 1) << behaviour;
     EXPECT_THAT(daemon.program().errors(), HasSubstr("slipd cannot go on"));
   }
+}
+
+TEST(Life, AClientThatTheSystemHasNoRoomForIsSentAwayAndTheOthersAreServed) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer must be the first library";
+  const TempFolder folder;
+  Daemon daemon(well(folder), trial_drivers(), refusal(folder));
+  RpcClient earlier(daemon.socket());
+  EXPECT_EQ(earlier.result("version")["name"], "slipd");
+  folder.write("refuse", "");
+  EXPECT_THROW(RpcClient(daemon.socket()).result("version"), RpcClient::NoAnswer);
+  EXPECT_EQ(earlier.result("version")["name"], "slipd");
+  std::filesystem::remove(folder.file("refuse"));
+  EXPECT_EQ(RpcClient(daemon.socket()).result("version")["name"], "slipd");
 }
 
 TEST(Life, ASecondInstanceIsRefusedAndTheFirstGoesOn) {
