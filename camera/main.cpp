@@ -26,6 +26,7 @@
 #include "camera/service/camera_service.hpp"
 #include "camera/view/view.hpp"
 #include "embedded/slipd_camera_schema.hpp"
+#include "schema/schema.hpp"
 #include "schema/settings_error.hpp"
 
 namespace {
@@ -74,18 +75,24 @@ void read_pictures(const CommandLine& line) {
   if (!line.view.empty()) write_view(line.view, reader, values);
 }
 
+std::vector<Problem> problems_of_source(const nlohmann::json& settings) {
+  if (settings.contains("device") != settings.contains("file")) return {};
+  return {problem_of("", settings, "give either \"device\", a camera, or \"file\", a video that is played")};
+}
+
 int serve(int argc, char** argv) {
   CameraService* serving = nullptr;
   bool hears = false;
-  return bridges::run_program(
-      {"slipd-camera", "Sends slipd how far the gel in front of a camera has moved", slipd_camera_schema},
-      argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
-        const Profile profile = load_profile(settings["profile"], profile_folder());
-        if (!std::exchange(hears, true)) loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
-        auto made = std::make_unique<CameraService>(settings, profile, loop);
-        serving = made.get();
-        return made;
-      });
+  return bridges::run_program({"slipd-camera", "Sends slipd how far the gel in front of a camera has moved",
+                               slipd_camera_schema, problems_of_source},
+                              argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
+                                const Profile profile = load_profile(settings["profile"], profile_folder());
+                                if (!std::exchange(hears, true))
+                                  loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
+                                auto made = std::make_unique<CameraService>(settings, profile, loop);
+                                serving = made.get();
+                                return made;
+                              });
 }
 
 int read(int argc, char** argv) {

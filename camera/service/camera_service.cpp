@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "bridges/support/log.hpp"
+#include "camera/picture/played_video.hpp"
 #include "camera/picture/v4l2_camera.hpp"
 
 namespace slipd::camera {
@@ -22,6 +23,10 @@ slipd_frames frames_of(const Profile& profile) {
 }
 
 PictureThread::Open opening(const nlohmann::json& settings, const Profile& profile) {
+  if (settings.contains("file"))
+    return [file = settings["file"].get<std::string>(), shrink = profile.picture.shrink] {
+      return std::make_unique<PlayedVideo>(file, shrink);
+    };
   return [device = settings["device"].get<std::string>(), wish = profile.picture,
           controls = profile.controls] { return std::make_unique<V4l2Camera>(device, wish, controls); };
 }

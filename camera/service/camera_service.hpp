@@ -1,5 +1,6 @@
-// The service: pictures of a camera → frames → slipd's sensor. A picture that cannot be used is not sent, and
-// slipd counts it as lost: it never sees a number that no picture gave. It runs in the loop's thread.
+// The service: pictures of a camera or a video → frames → slipd's sensor. A picture that cannot be used is
+// not sent, and slipd counts it as lost: it never sees a number that no picture gave. It runs in the loop's
+// thread.
 #pragma once
 
 #include <cstdint>

@@ -42,6 +42,9 @@ void PictureThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     try {
       serve(stop);
+      if (!stop.stop_requested())
+        tell("there are no more pictures; start slipd-camera again to play them again");
+      return;
     } catch (const std::exception& error) {
       if (told != error.what()) tell(told = error.what());
     }

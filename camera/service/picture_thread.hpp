@@ -1,5 +1,5 @@
 // The thread that takes pictures: it opens the camera, waits for pictures, decodes them, and keeps the newest
-// for the loop. A camera that fails or is gone is opened anew, twice a second.
+// for the loop. A camera that fails or is gone is opened anew, twice a second; a video ends once.
 #pragma once
 
 #include <condition_variable>

@@ -13,10 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "camera/picture/played_video.hpp"
 #include "camera/picture/raw_picture.hpp"
 #include "camera/service/picture_thread.hpp"
 #include "tests/camera/rendered_gel.hpp"
 #include "tests/support/patience.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace slipd::camera {
 namespace {
@@ -108,6 +110,36 @@ TEST(PictureThread, tells_trouble_and_opens_a_camera_that_comes_back) {
   }
   EXPECT_THAT(troubles, ::testing::ElementsAre("not there", "gone"));
   EXPECT_GE(taken, 2);
+}
+
+TEST(PlayedVideo, gives_each_picture_when_it_is_due_and_then_none) {
+  using std::chrono::steady_clock;
+  const slipd::testing::TempFolder folder;
+  const std::string file = folder.file("gel.avi").string();
+  slipd::testing::write_video(file, std::vector<cv::Mat>(5, still_gel()), 50);
+  PlayedVideo video(file, 1);
+  std::vector<std::int64_t> times;
+  while (const auto picture = video.next()) {
+    EXPECT_LE(picture->time_ns, std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count());
+    EXPECT_EQ(cv::norm(picture->brightness, still_gel(), cv::NORM_INF), 0);
+    times.push_back(picture->time_ns);
+  }
+  ASSERT_EQ(times.size(), 5U);
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_NEAR(1e-6 * (times[i] - times[i - 1]), 20, 1e-3);
+}
+
+TEST(PictureThread, plays_a_video_once_and_says_when_it_is_over) {
+  const slipd::testing::TempFolder folder;
+  const std::string file = folder.file("gel.avi").string();
+  slipd::testing::write_video(file, std::vector<cv::Mat>(3, still_gel()), 50);
+  PictureThread pictures([&] { return std::make_unique<PlayedVideo>(file, 1); });
+  PictureThread::News news;
+  while (news.trouble.empty()) {
+    pollfd ready{pictures.fd(), POLLIN, 0};
+    ASSERT_EQ(poll(&ready, 1, std::chrono::milliseconds(slipd::testing::kPatience).count()), 1);
+    news = pictures.take();
+  }
+  EXPECT_THAT(news.trouble, ::testing::HasSubstr("no more pictures"));
 }
 
 }  // namespace

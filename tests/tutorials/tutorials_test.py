@@ -137,28 +137,36 @@ class Tutorial(unittest.TestCase):
         self.lists_the_sensor("force-cell.md")
         self.runs_the_program("force-cell.md", blocks("force-cell.md", "text")[1])
 
+    def plays(self, settings):
+        """slipd-camera with these settings, in the folder of the test, until the test ends."""
+        playing = subprocess.Popen([BUILD / "bin/slipd-camera", "--config", settings], cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
+        self.addCleanup(playing.wait, PATIENCE_S)
+        self.addCleanup(playing.terminate)
+        return playing
+
     def test_a_camera_tells_a_slide_and_slipd_grip_holds(self):
         if not (BUILD / "bin/slipd-camera").exists():
             self.skipTest("slipd-camera is not built here")
-        video, grip = f"{self.folder}/grasp.avi", blocks("camera.md", "jsonc")[2]
-        subprocess.run([BUILD / "test-bin/gel-video", video], check=True)
-        camera = self.folder / "camera.json"
-        camera.write_text(blocks("camera.md", "jsonc")[1], encoding="utf-8")
+        subprocess.run([BUILD / "test-bin/gel-video", "grasp.avi"], cwd=self.folder, check=True)
+        _, of_a_camera, of_a_video, grip = blocks("camera.md", "jsonc")
+        camera, video = self.folder / "camera.json", self.folder / "video.json"
+        camera.write_text(of_a_camera, encoding="utf-8")
+        video.write_text(of_a_video.replace("{", f'{{ "socket": "{self.socket}",', 1), encoding="utf-8")
         subprocess.run([BUILD / "bin/slipd-camera", "--config", camera, "--check-config"], check=True, capture_output=True)
         _, seen, journal = blocks("camera.md", "text")
-        play, react = (self.here(block) for block in blocks("camera.md", "python"))
+        react = self.here(blocks("camera.md", "python")[0])
 
         self.starts("camera.md")
-        playing = subprocess.Popen([sys.executable, "-c", play, video], env=self.environment)
+        playing = self.plays(video)
         self.lists_the_sensor("camera.md")
         self.prints(seen, [sys.executable, "-u", "-c", react])
+        playing.terminate()
         playing.wait(PATIENCE_S)
 
         orders, settings = f"{self.folder}/orders", self.folder / "grip.json"
         settings.write_text(grip.replace("{", f'{{ "socket": "{self.socket}", "orders": "{orders}",', 1), encoding="utf-8")
-        playing = subprocess.Popen([sys.executable, "-c", play, video], env=self.environment)
+        self.plays(video)
         self.prints(journal, [BUILD / "bin/slipd-grip", "--config", settings])
-        playing.wait(PATIENCE_S)
 
     def test_the_other_configurations_are_accepted(self):
         checked = subprocess.run([BUILD / "bin/slipd", "--config", self.configured("can-pad.md"), "--check-config"], capture_output=True, text=True)
