@@ -2,34 +2,76 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
-#include <systemd/sd-daemon.h>
+#include <sys/un.h>
+#include <unistd.h>
 
-#include <cinttypes>
+#include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 
+#include "core/storage/unique_fd.hpp"
 #include "daemon/rt/clock.hpp"
 
 namespace slipd::notify {
+namespace {
+
+constexpr int kFirstPassed = 3;  // SD_LISTEN_FDS_START
+
+// Of the environment; empty: it is not set. systemd sets none of these later, and nobody else sets any.
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value == nullptr ? "" : value;
+}
+
+// Whether the variable names this process, to which its companions are then addressed.
+bool names_us(const char* name) {
+  return variable(name) == std::to_string(getpid());
+}
+
+// sd_notify(3), "Standalone implementations": a datagram to NOTIFY_SOCKET, where @ begins an abstract
+// address.
+void send(const std::string& text) {
+  const std::string to = variable("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  if (to.size() < 2 || to.size() >= sizeof address.sun_path) return;
+  address.sun_family = AF_UNIX;
+  std::memcpy(static_cast<char*>(address.sun_path), to.data(), to.size());
+  if (to.front() == '@') address.sun_path[0] = '\0';
+  const UniqueFd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sendto(socket.get(), text.data(), text.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address),
+         static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + to.size()));
+}
+
+int option_of(int socket, int option) {
+  int value = -1;
+  socklen_t length = sizeof value;
+  getsockopt(socket, SOL_SOCKET, option, &value, &length);
+  return value;
+}
+
+}  // namespace
 
 void ready() {
-  sd_notify(0, "READY=1");
+  send("READY=1");
 }
 
 void reloading() {
-  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRId64, Now::read().monotonic_ns / 1000);
+  constexpr std::int64_t kNsPerUs = 1000;
+  send("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(Now::read().monotonic_ns / kNsPerUs));
 }
 
 void stopping() {
-  sd_notify(0, "STOPPING=1");
+  send("STOPPING=1");
 }
 
 void watchdog() {
-  sd_notify(0, "WATCHDOG=1");
+  send("WATCHDOG=1");
 }
 
 std::optional<std::chrono::microseconds> watchdog_timeout() {
-  std::uint64_t interval_us = 0;
-  if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
+  const std::int64_t interval_us = std::strtoll(variable("WATCHDOG_USEC").c_str(), nullptr, 10);
+  const bool for_another = !variable("WATCHDOG_PID").empty() && !names_us("WATCHDOG_PID");
+  if (interval_us <= 0 || for_another) return std::nullopt;
   return std::chrono::microseconds(interval_us);
 }
 
@@ -48,19 +90,24 @@ void status(const ServiceContext& context, std::string& last) {
                            " sensors connected" + (absent.empty() ? "" : absent + ")") + ", " +
                            std::to_string(context.clients) + " clients";
   if (text == last) return;
-  sd_notifyf(0, "STATUS=%s", text.c_str());
+  send("STATUS=" + text);
   last = text;
 }
 
 std::optional<int> passed_socket() {
-  const int count = sd_listen_fds(1);
+  if (!names_us("LISTEN_PID")) return std::nullopt;
+  const std::int64_t count = std::strtoll(variable("LISTEN_FDS").c_str(), nullptr, 10);
   if (count <= 0) return std::nullopt;
-  if (count > 1 || sd_is_socket_unix(SD_LISTEN_FDS_START, SOCK_STREAM, 1, nullptr, 0) <= 0) {
+  const bool listening_stream = option_of(kFirstPassed, SO_DOMAIN) == AF_UNIX &&
+                                option_of(kFirstPassed, SO_TYPE) == SOCK_STREAM &&
+                                option_of(kFirstPassed, SO_ACCEPTCONN) == 1;
+  if (count > 1 || !listening_stream) {
     throw std::runtime_error(
         "systemd passed something else than one listening Unix stream socket; see slipd.socket");
   }
-  fcntl(SD_LISTEN_FDS_START, F_SETFL, fcntl(SD_LISTEN_FDS_START, F_GETFL) | O_NONBLOCK);
-  return SD_LISTEN_FDS_START;
+  fcntl(kFirstPassed, F_SETFD, FD_CLOEXEC);
+  fcntl(kFirstPassed, F_SETFL, fcntl(kFirstPassed, F_GETFL) | O_NONBLOCK);
+  return kFirstPassed;
 }
 
 }  // namespace slipd::notify

@@ -1,5 +1,6 @@
-// Messages to systemd (sd_notify) and socket activation. Without systemd all of it does nothing. Called from
-// one thread: io.
+// Messages to systemd (sd_notify) and socket activation, by the protocols that sd_notify(3) and
+// sd_listen_fds(3) state, without libsystemd (daemon/log/journal.hpp says why). Without systemd all of it
+// does nothing. Called from one thread: io.
 #pragma once
 
 #include <chrono>

@@ -4,17 +4,13 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
-// Without source file and line in the journal.
-#define SD_JOURNAL_SUPPRESS_LOCATION
-#include <systemd/sd-journal.h>
-
-#include <array>
 #include <cstdlib>
 #include <memory>
 #include <mutex>
+
+#include "daemon/log/journal.hpp"
 
 namespace slipd {
 namespace {
@@ -33,24 +29,21 @@ bool on_journal() {
   return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
 }
 
-// Empty fields are left out. An error is ignored: journald drops lines when it has no room.
-void send_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
+// Empty fields are left out.
+void write_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
   static constexpr std::string_view kPriorities[] = {"7", "7", "6", "4", "3", "2", "6"};
-  std::array<std::string, 5> fields{
-      "MESSAGE=" + std::string(text), "PRIORITY=" + std::string(kPriorities[static_cast<std::size_t>(level)]),
-      "SYSLOG_IDENTIFIER=slipd", context.sensor.empty() ? "" : "SLIPD_SENSOR=" + std::string(context.sensor),
-      context.cause == Cause::none ? "" : "SLIPD_CAUSE=" + std::string(to_string(context.cause))};
-  std::array<iovec, 5> parts{};
-  int count = 0;
-  for (std::string& field : fields) {
-    if (!field.empty()) parts[static_cast<std::size_t>(count++)] = {field.data(), field.size()};
-  }
-  sd_journal_sendv(parts.data(), count);
+  JournalEntry entry;
+  entry.add("MESSAGE", text)
+      .add("PRIORITY", kPriorities[static_cast<std::size_t>(level)])
+      .add("SYSLOG_IDENTIFIER", "slipd");
+  if (!context.sensor.empty()) entry.add("SLIPD_SENSOR", context.sensor);
+  if (context.cause != Cause::none) entry.add("SLIPD_CAUSE", to_string(context.cause));
+  send_to_journal(entry);
 }
 
 class JournalSink : public spdlog::sinks::base_sink<std::mutex> {
   void sink_it_(const spdlog::details::log_msg& message) override {
-    send_to_journal(message.level, {}, {message.payload.data(), message.payload.size()});
+    write_to_journal(message.level, {}, {message.payload.data(), message.payload.size()});
   }
   void flush_() override {}
 };
@@ -81,7 +74,7 @@ void change_log_level(const std::string& level) {
 void write_log(LogLevel level, const LogContext& context, std::string_view text) {
   const auto at = spdlog_level(level);
   if (!spdlog::default_logger_raw()->should_log(at)) return;
-  if (journal) return send_to_journal(at, context, text);
+  if (journal) return write_to_journal(at, context, text);
   spdlog::log(at, "{}", text);
 }
 
