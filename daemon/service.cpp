@@ -16,8 +16,8 @@
 #include "daemon/notify.hpp"
 #include "daemon/paper_loader.hpp"
 #include "daemon/pipeline/estimator_factory.hpp"
+#include "daemon/rpc/clients/socket_file.hpp"
 #include "daemon/rpc/server.hpp"
-#include "daemon/rpc/socket_file.hpp"
 #include "daemon/telemetry/metrics_file.hpp"
 #include "schema/schema.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/contact/dome.hpp"
+#include "core/contact/subsurface/dome.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/contact/history.hpp"
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/layout.hpp"
 
 namespace slipd::contact {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/contact/point_load.hpp"
-#include "core/contact/rigid_base.hpp"
 #include "core/contact/scene.hpp"
-#include "core/contact/subsurface_point.hpp"
+#include "core/contact/subsurface/point_load.hpp"
+#include "core/contact/subsurface/rigid_base.hpp"
+#include "core/contact/subsurface/subsurface_point.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"

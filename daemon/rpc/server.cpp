@@ -12,8 +12,8 @@
 
 #include "daemon/log/log.hpp"
 #include "daemon/record/flight_recorder.hpp"
-#include "daemon/rpc/descriptors.hpp"
-#include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/clients/descriptors.hpp"
+#include "daemon/rpc/methods/estimate_text.hpp"
 
 namespace slipd {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "daemon/record/recorder.hpp"
-#include "daemon/rpc/client.hpp"
-#include "daemon/rpc/rpc_methods.hpp"
+#include "daemon/rpc/clients/client.hpp"
+#include "daemon/rpc/methods/rpc_methods.hpp"
 #include "daemon/telemetry/frame_health_monitor.hpp"
 #include "daemon/telemetry/metrics_file.hpp"
 #include "daemon/telemetry/service_context.hpp"

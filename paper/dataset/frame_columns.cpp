@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/dome_sheet.hpp"
 #include "core/contact/hertz.hpp"
 #include "core/contact/scene_draws.hpp"
+#include "core/contact/subsurface/dome_sheet.hpp"
 #include "core/numeric/random.hpp"
 #include "paper/dataset/alpha.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "core/frame/latest.hpp"
 #include "core/frame/mailbox.hpp"
-#include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/methods/estimate_text.hpp"
 #include "drivers/decode/decoder.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"

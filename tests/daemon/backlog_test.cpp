@@ -1,5 +1,5 @@
 // The queue of a client: it keeps every answer, and the newest notifications.
-#include "daemon/rpc/backlog.hpp"
+#include "daemon/rpc/clients/backlog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "daemon/rpc/owed_bytes.hpp"
+#include "daemon/rpc/protocol/owed_bytes.hpp"
 
 namespace slipd {
 namespace {

@@ -1,5 +1,5 @@
 // Estimates as clients receive them: unknown values are null, and gamma is a number in state ok only.
-#include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/methods/estimate_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "daemon/rpc/status.hpp"
-#include "daemon/rpc/text.hpp"
+#include "daemon/rpc/methods/status.hpp"
+#include "daemon/rpc/protocol/text.hpp"
 
 namespace slipd {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/rpc/frame_bytes.hpp"
+#include "daemon/rpc/methods/frame_bytes.hpp"
 
 #include <gtest/gtest.h>
 

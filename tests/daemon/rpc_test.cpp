@@ -1,11 +1,11 @@
 // Requests and answers as text, without a socket.
-#include "daemon/rpc/rpc.hpp"
+#include "daemon/rpc/protocol/rpc.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "daemon/rpc/plain_request.hpp"
+#include "daemon/rpc/protocol/plain_request.hpp"
 
 namespace slipd::rpc {
 namespace {

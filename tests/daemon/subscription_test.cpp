@@ -1,11 +1,11 @@
 // Which estimates a subscriber gets: its rate, its kinds of events, and the count of losses.
-#include "daemon/rpc/subscription.hpp"
+#include "daemon/rpc/clients/subscription.hpp"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/rpc/rpc.hpp"
+#include "daemon/rpc/protocol/rpc.hpp"
 
 namespace slipd {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/reading/fit/radial_field_table.hpp"
 #include "core/reading/fit/slope_block.hpp"
 

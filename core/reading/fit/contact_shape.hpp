@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/fit/axisymmetric_normal_equations.hpp"

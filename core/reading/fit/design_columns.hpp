@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 
 namespace slipd {
 

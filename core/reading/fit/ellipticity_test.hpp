@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/reading/fit/axisymmetric_normal_equations.hpp"
 
 namespace slipd {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/reading/fit/slope_block.hpp"
 
 namespace slipd {

@@ -18,9 +18,9 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/dome_lattice.hpp"
-#include "core/contact/dome_sheet.hpp"
 #include "core/contact/scene.hpp"
+#include "core/contact/subsurface/dome_lattice.hpp"
+#include "core/contact/subsurface/dome_sheet.hpp"
 #include "core/patch/square_blocks.hpp"
 #include "core/reading/fit/fit_options.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"

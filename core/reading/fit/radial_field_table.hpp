@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 
 namespace slipd {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <span>
 
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/few_taxels.hpp"
 #include "core/patch/hertz_deviation.hpp"
 #include "core/reading/fit/contact_shape.hpp"

@@ -1,4 +1,4 @@
-#include "core/contact/dome.hpp"
+#include "core/contact/subsurface/dome.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/contact/averages.hpp"
-#include "core/contact/dome_lattice.hpp"
-#include "core/contact/dome_sheet.hpp"
+#include "core/contact/subsurface/dome_lattice.hpp"
+#include "core/contact/subsurface/dome_sheet.hpp"
 
 namespace slipd::contact {
 namespace {

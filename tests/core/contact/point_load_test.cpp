@@ -1,4 +1,4 @@
-#include "core/contact/point_load.hpp"
+#include "core/contact/subsurface/point_load.hpp"
 
 #include <gtest/gtest.h>
 

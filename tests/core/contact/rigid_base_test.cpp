@@ -1,4 +1,4 @@
-#include "core/contact/rigid_base.hpp"
+#include "core/contact/subsurface/rigid_base.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/contact/contact_field.hpp"
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 
 namespace slipd::contact {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/contact/subsurface.hpp"
+#include "core/contact/subsurface/subsurface.hpp"
 
 #include <gtest/gtest.h>
 

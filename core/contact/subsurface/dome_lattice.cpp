@@ -1,0 +1,109 @@
+#include "core/contact/subsurface/dome_lattice.hpp"
+
+#include <algorithm>
+
+#include "core/contact/subsurface/dome.hpp"
+#include "core/simd/instruction_sets.hpp"
+
+namespace slipd::contact {
+namespace {
+
+struct CornerLists {
+  const double *u, *v;
+  double *value, *d_x, *d_u, *d_v;
+  std::size_t count;
+  double x, center_x, center_y;
+};
+
+[[gnu::always_inline]] inline void fill_corners(const CornerLists& at) noexcept {
+#pragma omp simd
+  for (std::size_t i = 0; i < at.count; ++i) {
+    const DomeCorner corner = dome_corner(at.x, at.u[i] - at.center_x, at.v[i] - at.center_y);
+    at.value[i] = corner.value;
+    at.d_x[i] = corner.d_x;
+    at.d_u[i] = corner.d_u;
+    at.d_v[i] = corner.d_v;
+  }
+}
+
+// As in core/contact/subsurface/dome_sheet.cpp.
+struct LatticeKernels {
+  void (*corners)(const CornerLists&) noexcept;
+  static const LatticeKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+void corners_on_baseline(const CornerLists& at) noexcept {
+  fill_corners(at);
+}
+const LatticeKernels LatticeKernels::baseline{corners_on_baseline};
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void corners_on_avx2(const CornerLists& at) noexcept {
+  fill_corners(at);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void corners_on_avx512(const CornerLists& at) noexcept {
+  fill_corners(at);
+}
+const LatticeKernels LatticeKernels::avx2{corners_on_avx2};
+const LatticeKernels LatticeKernels::avx512{corners_on_avx512};
+#endif
+
+}  // namespace
+
+DomeLattice::DomeLattice(std::size_t most_along) {
+  rows_.reserve(most_along + 1);
+  for (auto* list : {&u_, &v_, &value_, &d_x_, &d_u_, &d_v_})
+    list->resize((most_along + 1) * (most_along + 1));
+  best_kernels<LatticeKernels>();  // not first within a fit
+}
+
+// A height between two rows has the corners of both.
+void DomeLattice::set(const SquareLattice& lattice) noexcept {
+  side_m_ = lattice.side_m;
+  squares_ = lattice.rows;
+  rows_.clear();
+  corners_ = 0;
+  for (std::size_t height = 0; height <= squares_.size(); ++height) {
+    const TaxelRun below = height > 0 ? squares_[height - 1] : TaxelRun{},
+                   above = height < squares_.size() ? squares_[height] : TaxelRun{};
+    const bool no_below = below.first == below.end, no_above = above.first == above.end;
+    CornerRow row{.start = static_cast<std::uint32_t>(corners_)};
+    if (!no_below || !no_above) {
+      const TaxelRun one = no_below ? above : below, other = no_above ? below : above;
+      row.first = std::min(one.first, other.first);
+      row.count = std::max(one.end, other.end) - row.first + 1;
+    }
+    for (std::uint32_t i = 0; i < row.count; ++i, ++corners_) {
+      u_[corners_] = lattice.left_m + side_m_ * (row.first + i);
+      v_[corners_] = lattice.bottom_m + side_m_ * static_cast<double>(height);
+    }
+    rows_.push_back(row);
+  }
+}
+
+void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, std::span<double> value,
+                           std::span<double> d_x, std::span<double> d_u, std::span<double> d_v) noexcept {
+  best_kernels<LatticeKernels>().corners({u_.data(), v_.data(), value_.data(), d_x_.data(), d_u_.data(),
+                                          d_v_.data(), corners_, x, center_x_m, center_y_m});
+  const double per_area = 1 / (side_m_ * side_m_);
+  std::size_t square = 0;
+  for (std::size_t r = 0; r < squares_.size(); ++r) {
+    const TaxelRun& run = squares_[r];
+    if (run.first == run.end) continue;
+    const std::size_t low = rows_[r].start + run.first - rows_[r].first,
+                      high = rows_[r + 1].start + run.first - rows_[r + 1].first, count = run.end - run.first;
+    const auto put = [&](const std::vector<double>& of, std::span<double> to) {
+      const double* const below = of.data() + low;
+      const double* const above = of.data() + high;
+      double* const out = to.data() + square;
+#pragma omp simd
+      for (std::size_t i = 0; i < count; ++i)
+        out[i] = ((above[i + 1] - above[i]) - (below[i + 1] - below[i])) * per_area;
+    };
+    put(value_, value);
+    put(d_x_, d_x);
+    put(d_u_, d_u);
+    put(d_v_, d_v);
+    square += count;
+  }
+}
+
+}  // namespace slipd::contact
