@@ -2,7 +2,7 @@
 
 A page's first jsonc block is the configuration, its python block the program, each text block what the commands or the program before it print
 ("…": anything). Only paths differ here: sockets, and the simulated device in place of a real one."""
-import os, pathlib, pty, re, subprocess, sys, tempfile, threading, time, tty, unittest
+import contextlib, os, pathlib, pty, re, subprocess, sys, tempfile, threading, time, tty, unittest
 
 BUILD, SOURCE = (pathlib.Path(os.environ[name]) for name in ("SLIPD_BINARY_DIR", "SLIPD_SOURCE_DIR"))
 sys.path.insert(0, str(SOURCE / "tests/support"))
@@ -53,13 +53,15 @@ class Tutorial(unittest.TestCase):
         await_true(lambda: os.path.exists(self.socket) or daemon.poll() is not None, "slipd's socket")
         self.assertIsNone(daemon.poll(), "slipd ended")
 
-    def prints(self, expected, command):
-        """Awaits each expected line in turn."""
+    def prints(self, expected, command, once_it_looks=lambda: None):
+        """Awaits each expected line in turn. once_it_looks is called when the program has said something."""
         program = subprocess.Popen(command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         ended = threading.Timer(PATIENCE_S, program.kill)
         ended.start()
         lines, seen = [line for line in expected.splitlines() if line.strip()], []
         for said in program.stdout:
+            if not seen:
+                once_it_looks()
             seen.append(said)
             if lines and re.fullmatch(as_pattern(lines[0]), re.sub("^<[0-7]>", "", said.strip())):  # journald takes the level off
                 lines.pop(0)
@@ -137,12 +139,15 @@ class Tutorial(unittest.TestCase):
         self.lists_the_sensor("force-cell.md")
         self.runs_the_program("force-cell.md", blocks("force-cell.md", "text")[1])
 
-    def plays(self, settings):
-        """slipd-camera with these settings, in the folder of the test, until the test ends."""
-        playing = subprocess.Popen([BUILD / "bin/slipd-camera", "--config", settings], cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
-        self.addCleanup(playing.wait, PATIENCE_S)
-        self.addCleanup(playing.terminate)
-        return playing
+    @contextlib.contextmanager
+    def playing(self, settings):
+        """Within it, play() starts slipd-camera with these settings, in the folder of the test; it ends with the block."""
+        with contextlib.ExitStack() as ends:
+            def play():
+                camera = subprocess.Popen([BUILD / "bin/slipd-camera", "--config", settings], cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
+                ends.callback(camera.wait, PATIENCE_S)
+                ends.callback(camera.terminate)
+            yield play
 
     def test_a_camera_tells_a_slide_and_slipd_grip_holds(self):
         if not (BUILD / "bin/slipd-camera").exists():
@@ -157,16 +162,16 @@ class Tutorial(unittest.TestCase):
         react = self.here(blocks("camera.md", "python")[0])
 
         self.starts("camera.md")
-        playing = self.plays(video)
-        self.lists_the_sensor("camera.md")
-        self.prints(seen, [sys.executable, "-u", "-c", react])
-        playing.terminate()
-        playing.wait(PATIENCE_S)
+        with self.playing(video) as play:
+            play()
+            self.lists_the_sensor("camera.md")
+        with self.playing(video) as play:
+            self.prints(seen, [sys.executable, "-u", "-c", react], once_it_looks=play)
 
         orders, settings = f"{self.folder}/orders", self.folder / "grip.json"
         settings.write_text(grip.replace("{", f'{{ "socket": "{self.socket}", "orders": "{orders}",', 1), encoding="utf-8")
-        self.plays(video)
-        self.prints(journal, [BUILD / "bin/slipd-grip", "--config", settings])
+        with self.playing(video) as play:
+            self.prints(journal, [BUILD / "bin/slipd-grip", "--config", settings], once_it_looks=play)
 
     def test_the_other_configurations_are_accepted(self):
         checked = subprocess.run([BUILD / "bin/slipd", "--config", self.configured("can-pad.md"), "--check-config"], capture_output=True, text=True)
