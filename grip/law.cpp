@@ -99,11 +99,18 @@ double Law::firm_n(const Reading& reading, double acting) const {
 
 // The margin that counts, at the end of the delay and of ahead_s if it falls as forecast.
 double Law::foreseen_margin(const Reading& reading) const {
-  const double sigma = std::isfinite(reading.sigma) ? reading.sigma : 0;
-  const double margin = std::clamp(reading.gamma - sigma, 0.0, 1.0);
+  const double margin = sure_margin(reading);
   if (!(reading.time_to_slip_s >= 0)) return margin;
   const double lead_s = settings_.delay_s + settings_.ahead_s;
   return margin * std::max(0.0, 1 - lead_s / std::max(reading.time_to_slip_s, 1e-6));
+}
+
+// What friction surely holds, also where it is still a range, or may have fallen unseen. A margin that only
+// is likely would let go.
+double Law::sure_margin(const Reading& reading) {
+  const double sigma = std::isfinite(reading.sigma) ? reading.sigma : 0;
+  const double by_sigma = reading.gamma - sigma;
+  return std::clamp(reading.bounded ? std::min(reading.gamma_low, by_sigma) : by_sigma, 0.0, 1.0);
 }
 
 // What was ordered the gripper's delay ago.

@@ -105,6 +105,7 @@ class Law {
   double needed_n(double acting_n, double margin) const;
   double firm_n(const Reading& reading, double acting_n) const;
   double foreseen_margin(const Reading& reading) const;
+  static double sure_margin(const Reading& reading);
   double acting_n(std::int64_t now_ns);
   double rounded(double force_n) const;
   void watch_deafness(const Reading& reading, double acting_n, double passed_s);

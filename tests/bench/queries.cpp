@@ -63,44 +63,51 @@ void in_turn(const std::map<std::string, Asking>& servers, int clients, millisec
   }
 }
 
-// How often a server enters the kernel for an answer, by what for. A count of perf's, over a part of the time
-// in which it is asked, and divided by the answers of the same part: each was asked for by one read.
+using Counts = std::map<std::string, double>;
+
+// What perf counted: lines of a count, a unit, an event and more.
+Counts counts_in(const std::string& text) {
+  const std::string prefix = "sys_enter_";
+  Counts counts;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto at = line.find(prefix);
+    if (at == std::string::npos) continue;
+    const auto name = at + prefix.size();
+    counts[line.substr(name, line.find(';', name) - name)] = std::strtod(line.c_str(), nullptr);
+  }
+  return counts;
+}
+
+// How often a server enters the kernel for an answer, by what for: over a part of the time in which it is
+// asked, divided by its reads, each of which is a request.
 void calls(const std::string& server, pid_t pid, const Asking& asking) {
-  const std::vector<std::pair<std::string, std::vector<std::string>>> kinds{
-      {"read", {"recvfrom", "recvmsg", "read"}},
-      {"write", {"sendto", "sendmsg", "write"}},
-      {"wait", {"epoll_wait", "epoll_pwait"}},
-      {"control", {"epoll_ctl"}}};
-  const TempFolder folder;
+  const std::pair<const char*, std::vector<std::string>> kinds[] = {{"read", {"recvfrom", "recvmsg", "read"}},
+                                                                    {"write", {"sendto", "sendmsg", "write"}},
+                                                                    {"wait", {"epoll_wait", "epoll_pwait"}},
+                                                                    {"control", {"epoll_ctl"}}};
   std::vector<std::string> command{kPerf, "stat", "--field-separator", ";", "--pid", std::to_string(pid)};
   for (const auto& [kind, names] : kinds) {
     for (const std::string& name : names)
       command.insert(command.end(), {"--event", "syscalls:sys_enter_" + name});
   }
   command.insert(command.end(), {"/usr/bin/sleep", brief ? "0.02" : "0.5"});
+  const TempFolder folder;
   testing::Program perf(folder, "perf", command);
-  Asked asked;
   std::optional<int> code;
-  while (!(code = perf.wait(0ms))) asked = ask_for(asking, brief ? 50ms : 1500ms);
+  while (!(code = perf.wait(0ms))) ask_for(asking, brief ? 50ms : 1500ms);
   if (*code != 0)
     return say(
         "refused",
         {{"peer", "perf"}, {"why", perf.errors()}, {"remedy", "run it as root, with linux-perf installed"}});
-  std::map<std::string, double> counted;
-  std::istringstream lines(perf.errors());
-  for (std::string line; std::getline(lines, line);) {
-    const auto at = line.find("sys_enter_");
-    if (at == std::string::npos) continue;
-    const std::string name = line.substr(at + 10, line.find(';', at) - at - 10);
-    counted[name] = std::strtod(line.c_str(), nullptr);
-  }
-  double answers = 0;
-  for (const std::string& name : kinds.front().second) answers = std::max(answers, counted[name]);
+  Counts counts = counts_in(perf.errors());
+  double requests = 0;
+  for (const std::string& name : kinds[0].second) requests = std::max(requests, counts[name]);
   json values{{"server", server}, {"clients", asking.clients}};
   for (const auto& [kind, names] : kinds) {
     double sum = 0;
-    for (const std::string& name : names) sum += counted[name];
-    values[kind] = answers > 0 ? sum / answers : 0;
+    for (const std::string& name : names) sum += counts[name];
+    values[kind] = requests > 0 ? sum / requests : 0;
   }
   say("calls", values);
 }

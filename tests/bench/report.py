@@ -156,9 +156,14 @@ def client_rows(of):
         yield [each["server"], each["clients"], each["subscribers"], number(each["per_s"], 0), *waits(each)[:3], heard]
 
 
-def call_rows(of):
-    for each in of.of("calls"):
-        yield [each["server"], each["clients"], *(number(each[kind]) for kind in ("read", "write", "wait", "control"))]
+def calls_section(of):
+    rows = [[each["server"], each["clients"], *(number(each[kind]) for kind in ("read", "write", "wait", "control"))] for each in of.of("calls")]
+    if not rows:
+        return ""
+    return f"""
+What each asks of the kernel for an answer, counted by perf:
+
+{table(["server", "clients", "read", "write", "epoll_wait", "epoll_ctl"], rows)}"""
 
 
 def socket_section(of, picture):
@@ -170,10 +175,7 @@ when it has its answer. Server and clients share the cores. All servers in turn,
 is shown.
 
 {picture("clients", "queries a second against clients")}
-{table(["server", "clients", "subscribers", "queries/s", "p50", "p99", "p99.9", "notifications/s"], list(client_rows(of)))}
-What each asks of the kernel for an answer, counted by perf:
-
-{table(["server", "clients", "read", "write", "epoll_wait", "epoll_ctl"], list(call_rows(of)))}"""
+{table(["server", "clients", "subscribers", "queries/s", "p50", "p99", "p99.9", "notifications/s"], list(client_rows(of)))}{calls_section(of)}"""
 
 
 def shared_section(of):

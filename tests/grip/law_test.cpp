@@ -88,6 +88,17 @@ TEST(Law, HoldsWithTheForceThatKeepsTheTargetMargin) {
   EXPECT_LE(held.law.force_n(), expected * (1 + 2 * held.settings.spare));
 }
 
+TEST(Law, GripsByWhatFrictionSurelyHoldsAndNotByWhatIsLikely) {
+  Held held;
+  held.close();
+  held.hold(5, 4);
+  const double before_n = held.law.force_n();
+  Reading likely = margin_of(0.9);
+  likely.gamma_low = held.settings.target_margin - 0.1;
+  EXPECT_GT(held.step(likely).force_n, before_n);
+  EXPECT_EQ(held.law.state(), State::tightening);
+}
+
 TEST(Law, AddsForceAheadOfAForecastSlip) {
   Held still, falling;
   for (Held* one : {&still, &falling}) {

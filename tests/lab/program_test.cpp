@@ -1,14 +1,12 @@
 // slipd-lab itself, as a developer runs it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/tools/run_program.hpp"
+#include "tests/tools/offline_program.hpp"
 
 namespace {
 
@@ -16,18 +14,9 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class Lab : public ::testing::Test {
+class Lab : public slipctl::testing::OfflineProgram {
  protected:
-  Lab() { fs::create_directories(folder_); }
-  ~Lab() override { fs::remove_all(folder_); }
-  slipctl::testing::Ran run(const std::vector<std::string>& arguments) const {
-    return slipctl::testing::run_program(SLIPD_BINARY_DIR "/bin/slipd-lab", arguments);
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
-  const fs::path folder_ = fs::temp_directory_path() / ("slipd-lab-test-" + std::to_string(::getpid()));
+  Lab() : OfflineProgram("slipd-lab") {}
 };
 
 TEST_F(Lab, PaperGivesTableJsonAndFigures) {
@@ -94,26 +83,7 @@ TEST_F(Lab, MergesTheShardsOfASweepToTheResultOfOneRun) {
   const std::vector<std::vector<std::string>> sweeps{
       {"histories", "--grasps", "1", "--sides", "8,4", "--methods", "moments,fit"},
       {"stability", "--contacts", "1", "--parts", "model,extremes"}};
-  for (const auto& sweep : sweeps) {
-    std::vector<std::string> words{"--json"}, merge{"merge"};
-    words.insert(words.end(), sweep.begin(), sweep.end());
-    const auto whole = run(words);
-    ASSERT_EQ(whole.exit_code, 0) << whole.err;
-    for (const std::string shard : {"2/3", "3/3", "1/3"}) {
-      words = sweep;
-      words.insert(words.end(), {"--shard", shard});
-      const auto part = run(words);
-      ASSERT_EQ(part.exit_code, 0) << part.err;
-      merge.push_back(write(sweep.front() + shard.substr(0, 1), part.out));
-    }
-    const auto joined = run(merge);
-    EXPECT_EQ(joined.exit_code, 0) << joined.err;
-    EXPECT_EQ(joined.out, whole.out) << sweep.front();
-    merge.pop_back();
-    const auto missing = run(merge);
-    EXPECT_EQ(missing.exit_code, 2);
-    EXPECT_THAT(missing.err, HasSubstr("missing: 1/3"));
-  }
+  for (const auto& sweep : sweeps) expect_shards_merge(sweep);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // sliplab itself, as a user or the daemon runs it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,7 +11,7 @@
 
 #include "core/contact/contact_field.hpp"
 #include "tests/support/synthetic.hpp"
-#include "tests/tools/run_program.hpp"
+#include "tests/tools/offline_program.hpp"
 #include "tests/tools/sample_recording.hpp"
 
 namespace {
@@ -22,18 +21,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-class Sliplab : public ::testing::Test {
+class Sliplab : public slipctl::testing::OfflineProgram {
  protected:
-  Sliplab() { fs::create_directories(folder_); }
-  ~Sliplab() override { fs::remove_all(folder_); }
-  slipctl::testing::Ran run(const std::vector<std::string>& arguments) const {
-    return slipctl::testing::run_program(SLIPD_BINARY_DIR "/bin/sliplab", arguments);
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
-  const fs::path folder_ = fs::temp_directory_path() / ("sliplab-test-" + std::to_string(::getpid()));
+  Sliplab() : OfflineProgram("sliplab") {}
 };
 
 constexpr const char* kConfig = R"({ "sensors": [ { "name": "left", "driver": "sim",
@@ -147,29 +137,8 @@ TEST_F(Sliplab, AModelThatCannotBeWrittenEndsWithOne) {
 TEST_F(Sliplab, MergesTheShardsOfASweepToTheResultOfOneRun) {
   const std::string scenes = SLIPD_SOURCE_DIR "/config/scenes/",
                     data = SLIPD_SOURCE_DIR "/tests/data/eflesh/";
-  const std::vector<std::vector<std::string>> sweeps{{"replay", "--scene", scenes + "eflesh.json", "--sensor",
-                                                      "left", "--file", data + "seq_000.csv", "--file",
-                                                      data + "seq_002.csv"}};
-  for (const auto& sweep : sweeps) {
-    std::vector<std::string> words{"--json"}, merge{"merge"};
-    words.insert(words.end(), sweep.begin(), sweep.end());
-    const auto whole = run(words);
-    ASSERT_EQ(whole.exit_code, 0) << whole.err;
-    for (const std::string shard : {"2/3", "3/3", "1/3"}) {
-      words = sweep;
-      words.insert(words.end(), {"--shard", shard});
-      const auto part = run(words);
-      ASSERT_EQ(part.exit_code, 0) << part.err;
-      merge.push_back(write(sweep.front() + shard.substr(0, 1), part.out));
-    }
-    const auto joined = run(merge);
-    EXPECT_EQ(joined.exit_code, 0) << joined.err;
-    EXPECT_EQ(joined.out, whole.out) << sweep.front();
-    merge.pop_back();
-    const auto missing = run(merge);
-    EXPECT_EQ(missing.exit_code, 2);
-    EXPECT_THAT(missing.err, HasSubstr("missing: 1/3"));
-  }
+  expect_shards_merge({"replay", "--scene", scenes + "eflesh.json", "--sensor", "left", "--file",
+                       data + "seq_000.csv", "--file", data + "seq_002.csv"});
 }
 
 }  // namespace
