@@ -16,7 +16,8 @@
 namespace slipd::grip {
 
 struct LawSettings {
-  // The margin to keep, 0 … 1. Too small: a tap makes the object slip. Too large: more force than needed.
+  // The margin to keep, by gamma_low, 0 … 1. Too small: a tap makes the object slip. Too large: more force
+  // than needed.
   double target_margin = 0.4;
   // Whether gamma_low, which holds with 95 % confidence, says how firm is firm while friction is still a
   // range; else firm_n does.

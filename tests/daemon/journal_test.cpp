@@ -11,7 +11,8 @@ namespace {
 using namespace std::string_literals;
 
 TEST(JournalEntry, IsALineForEachField) {
-  EXPECT_EQ(JournalEntry().add("MESSAGE", "hello").add("PRIORITY", "6").bytes(), "MESSAGE=hello\nPRIORITY=6\n");
+  EXPECT_EQ(JournalEntry().add("MESSAGE", "hello").add("PRIORITY", "6").bytes(),
+            "MESSAGE=hello\nPRIORITY=6\n");
 }
 
 TEST(JournalEntry, GivesTheLengthOfAValueOfSeveralLines) {
