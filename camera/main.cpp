@@ -83,16 +83,15 @@ std::vector<Problem> problems_of_source(const nlohmann::json& settings) {
 int serve(int argc, char** argv) {
   CameraService* serving = nullptr;
   bool hears = false;
-  return bridges::run_program({"slipd-camera", "Sends slipd how far the gel in front of a camera has moved",
-                               slipd_camera_schema, problems_of_source},
-                              argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
-                                const Profile profile = load_profile(settings["profile"], profile_folder());
-                                if (!std::exchange(hears, true))
-                                  loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
-                                auto made = std::make_unique<CameraService>(settings, profile, loop);
-                                serving = made.get();
-                                return made;
-                              });
+  const bridges::Program program{"slipd-camera", "Sends slipd how far the gel in front of a camera has moved",
+                                 slipd_camera_schema, problems_of_source};
+  return bridges::run_program(program, argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
+    const Profile profile = load_profile(settings["profile"], profile_folder());
+    if (!std::exchange(hears, true)) loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
+    auto made = std::make_unique<CameraService>(settings, profile, loop);
+    serving = made.get();
+    return made;
+  });
 }
 
 int read(int argc, char** argv) {

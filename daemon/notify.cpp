@@ -2,46 +2,29 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 
-#include "core/storage/unique_fd.hpp"
+#include "daemon/log/datagram.hpp"
 #include "daemon/rt/clock.hpp"
+#include "daemon/rt/environment.hpp"
 
 namespace slipd::notify {
 namespace {
 
 constexpr int kFirstPassed = 3;  // SD_LISTEN_FDS_START
 
-// Of the environment; empty: it is not set. systemd sets none of these later, and nobody else sets any.
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
-  return value == nullptr ? "" : value;
-}
-
 // Whether the variable names this process, to which its companions are then addressed.
 bool names_us(const char* name) {
-  return variable(name) == std::to_string(getpid());
+  return environment_variable(name) == std::to_string(getpid());
 }
 
-// sd_notify(3), "Standalone implementations": a datagram to NOTIFY_SOCKET, where @ begins an abstract
-// address.
+// sd_notify(3), "Standalone implementations".
 void send(const std::string& text) {
-  const std::string to = variable("NOTIFY_SOCKET");
-  sockaddr_un address{};
-  if (to.size() < 2 || to.size() >= sizeof address.sun_path) return;
-  address.sun_family = AF_UNIX;
-  std::memcpy(static_cast<char*>(address.sun_path), to.data(), to.size());
-  if (to.front() == '@') address.sun_path[0] = '\0';
-  const UniqueFd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  sendto(socket.get(), text.data(), text.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address),
-         static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + to.size()));
+  send_datagram(environment_variable("NOTIFY_SOCKET"), text);
 }
 
 int option_of(int socket, int option) {
@@ -71,8 +54,8 @@ void watchdog() {
 }
 
 std::optional<std::chrono::microseconds> watchdog_timeout() {
-  const std::int64_t interval_us = std::strtoll(variable("WATCHDOG_USEC").c_str(), nullptr, 10);
-  const bool for_another = !variable("WATCHDOG_PID").empty() && !names_us("WATCHDOG_PID");
+  const std::int64_t interval_us = std::strtoll(environment_variable("WATCHDOG_USEC").c_str(), nullptr, 10);
+  const bool for_another = !environment_variable("WATCHDOG_PID").empty() && !names_us("WATCHDOG_PID");
   if (interval_us <= 0 || for_another) return std::nullopt;
   return std::chrono::microseconds(interval_us);
 }
@@ -98,7 +81,7 @@ void status(const ServiceContext& context, std::string& last) {
 
 std::optional<int> passed_socket() {
   if (!names_us("LISTEN_PID")) return std::nullopt;
-  const std::int64_t count = std::strtoll(variable("LISTEN_FDS").c_str(), nullptr, 10);
+  const std::int64_t count = std::strtoll(environment_variable("LISTEN_FDS").c_str(), nullptr, 10);
   if (count <= 0) return std::nullopt;
   const bool listening_stream = option_of(kFirstPassed, SO_DOMAIN) == AF_UNIX &&
                                 option_of(kFirstPassed, SO_TYPE) == SOCK_STREAM &&

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -22,8 +21,7 @@ class PlayedVideo final : public PictureSource {
 
  private:
   VideoFile video_;
-  std::chrono::steady_clock::time_point begun_;
-  std::uint64_t taken_ = 0;
+  std::chrono::steady_clock::time_point due_;  // of the next picture
 };
 
 }  // namespace slipd::camera

@@ -20,7 +20,7 @@ class JournalEntry {
   std::string bytes_;
 };
 
-// Sends it; waits while journald has no room. An error is ignored: there is nowhere to tell it. Any thread.
-void send_to_journal(const JournalEntry& entry) noexcept;
+// Where journald reads entries, a datagram each.
+inline constexpr const char* kJournald = "/run/systemd/journal/socket";
 
 }  // namespace slipd

@@ -6,11 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <memory>
 #include <mutex>
 
+#include "daemon/log/datagram.hpp"
 #include "daemon/log/journal.hpp"
+#include "daemon/rt/environment.hpp"
 
 namespace slipd {
 namespace {
@@ -23,10 +24,10 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
 
 // systemd sets JOURNAL_STREAM to device and inode of the stream that it connected to the journal.
 bool on_journal() {
-  const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): before any thread
   struct stat status {};
-  if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) return false;
-  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
+  return fstat(STDERR_FILENO, &status) == 0 &&
+         environment_variable("JOURNAL_STREAM") ==
+             std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
 }
 
 // Empty fields are left out.
@@ -38,7 +39,7 @@ void write_to_journal(spdlog::level::level_enum level, const LogContext& context
       .add("SYSLOG_IDENTIFIER", "slipd");
   if (!context.sensor.empty()) entry.add("SLIPD_SENSOR", context.sensor);
   if (context.cause != Cause::none) entry.add("SLIPD_CAUSE", to_string(context.cause));
-  send_to_journal(entry);
+  send_datagram(kJournald, entry.bytes());
 }
 
 class JournalSink : public spdlog::sinks::base_sink<std::mutex> {

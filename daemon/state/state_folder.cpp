@@ -1,7 +1,8 @@
 #include "daemon/state/state_folder.hpp"
 
-#include <cstdlib>
 #include <stdexcept>
+
+#include "daemon/rt/environment.hpp"
 
 namespace slipd {
 namespace {
@@ -9,8 +10,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path from_environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no thread changes the environment
-  return value != nullptr ? fs::path(value) : fs::path();
+  return environment_variable(name);
 }
 
 }  // namespace

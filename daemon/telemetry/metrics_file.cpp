@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -15,6 +14,7 @@
 #include "core/storage/regular_file.hpp"
 #include "core/storage/unique_fd.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/rt/environment.hpp"
 #include "daemon/state/state_folder.hpp"
 #include "daemon/telemetry/metrics.hpp"
 
@@ -61,9 +61,8 @@ bool is_in_group(gid_t group) {
 // slipd's own folders, as far as there are any.
 std::vector<fs::path> own_folders() {
   std::vector<fs::path> own{kRuntimeFolder};
-  const char* const runtime =
-      std::getenv("RUNTIME_DIRECTORY");  // NOLINT(concurrency-mt-unsafe): no thread changes the environment
-  if (runtime != nullptr && *runtime != '\0') own.emplace_back(runtime);
+  if (const auto runtime = environment_variable("RUNTIME_DIRECTORY"); !runtime.empty())
+    own.emplace_back(runtime);
   try {
     own.push_back(state_folder());
   } catch (const std::runtime_error&) {  // there is none

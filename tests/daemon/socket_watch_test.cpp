@@ -1,4 +1,4 @@
-// Sockets that are ready are told all before any is answered, however many there are.
+// Every socket that is ready is read before any is answered, however many there are.
 #include "daemon/rpc/clients/socket_watch.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Interest = SocketWatch::Interest;
 
-// Our end of a connection, which notes what it is told.
+// Our end of a connection; it records what it is told.
 class Peer final : public SocketWatch::Watcher {
  public:
   Peer(SocketWatch& watch, std::string& course) : watch_(watch), course_(course) {
@@ -26,10 +26,7 @@ class Peer final : public SocketWatch::Watcher {
     ours_ = UniqueFd(ends[0]);
     theirs_ = UniqueFd(ends[1]);
   }
-  void wait_for(const Interest& now) {
-    watch_.watch(ours_.get(), *this, watched_, now);
-    watched_ = now;
-  }
+  void wait_for(const Interest& now) { watch_.watch(ours_.get(), *this, now); }
   void says_something() const { EXPECT_EQ(write(theirs_.get(), "x", 1), 1); }
   void hangs_up() { theirs_ = {}; }
   int told() const { return told_; }
@@ -53,7 +50,7 @@ class Peer final : public SocketWatch::Watcher {
   SocketWatch& watch_;
   std::string& course_;
   UniqueFd ours_, theirs_;
-  Interest watched_, ready_;
+  Interest ready_;
   int told_ = 0;
 };
 

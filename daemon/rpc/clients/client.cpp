@@ -45,11 +45,7 @@ SocketWatch::Interest Client::interest() noexcept {
 // Watches the socket for what the client waits for now.
 void Client::watch() {
   if (closed_) return;
-  const SocketWatch::Interest now = interest();
-  with_memory_or_close([&] {
-    owner_.sockets.watch(socket_.get(), *this, watched_, now);
-    watched_ = now;
-  });
+  with_memory_or_close([&] { owner_.sockets.watch(socket_.get(), *this, interest()); });
 }
 
 bool Client::owed_too_much() const noexcept {
@@ -272,8 +268,7 @@ void Client::close_if_done() {
 
 void Client::close() {
   if (closed_) return;
-  owner_.sockets.watch(socket_.get(), *this, watched_, {});
-  watched_ = {};
+  owner_.sockets.watch(socket_.get(), *this, {});
   closed_ = true;
   attachment.reset();
   *peer_closed_ = true;

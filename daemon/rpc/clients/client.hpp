@@ -51,7 +51,7 @@ class Client final : public std::enable_shared_from_this<Client>, private Socket
   // `owner` outlives it; its callbacks may be replaced.
   Client(UniqueFd socket, Owner& owner);
   // Leaves a socket that could not be let go to the end of the process, which waits for nothing.
-  ~Client() { leaving_.release(); }
+  ~Client() override { leaving_.release(); }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
@@ -120,7 +120,6 @@ class Client final : public std::enable_shared_from_this<Client>, private Socket
   void close_if_done();
 
   UniqueFd socket_;                  // until it is closed
-  SocketWatch::Interest watched_;    // what it is watched for
   const bool may_bear_descriptors_;  // the kernel does not refuse them
   asio::steady_timer linger_timer_;  // closes a client that goes on sending after it was refused
   Owner& owner_;

@@ -26,13 +26,15 @@ SocketWatch::SocketWatch(asio::io_context& io) : ready_(io, new_set()) {
   wait();
 }
 
-void SocketWatch::watch(int socket, Watcher& watcher, const Interest& was, const Interest& now) {
+void SocketWatch::watch(int socket, Watcher& watcher, const Interest& now) {
+  const Interest& was = watcher.watched_;
   if (now == was) return;
   epoll_event event{};
   event.events = (now.input ? EPOLLIN : 0U) | (now.room ? EPOLLOUT : 0U);
   event.data.ptr = &watcher;
   const int what = !now.any() ? EPOLL_CTL_DEL : was.any() ? EPOLL_CTL_MOD : EPOLL_CTL_ADD;
   if (epoll_ctl(ready_.native_handle(), what, socket, &event) != 0 && now.any()) throw std::bad_alloc();
+  watcher.watched_ = now;
 }
 
 void SocketWatch::wait() {

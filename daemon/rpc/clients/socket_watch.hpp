@@ -18,7 +18,7 @@ class SocketWatch {
     bool input = false;
     // It takes output.
     bool room = false;
-    // The other end hung up, which is told beside the others too.
+    // The other end closed the connection. A socket that is watched for anything tells this too.
     bool hang_up = false;
     bool operator==(const Interest&) const = default;
     // Whether the socket is watched at all.
@@ -33,14 +33,18 @@ class SocketWatch {
     virtual void answer() = 0;
 
    protected:
-    ~Watcher() = default;
+    virtual ~Watcher() = default;
+
+   private:
+    friend SocketWatch;
+    Interest watched_;  // as the kernel has it
   };
 
   // Throws std::system_error if the system has no descriptor.
   explicit SocketWatch(asio::io_context& io);
-  // Watches `socket` from now on for this, and for nothing it was watched for before. `was` is what the last
-  // call gave for this socket. Throws std::bad_alloc if the system has no memory for it.
-  void watch(int socket, Watcher& watcher, const Interest& was, const Interest& now);
+  // Watches `socket`, the watcher's only one, from now on for this, and for nothing it was watched for
+  // before. Throws std::bad_alloc if the system has no memory for it.
+  void watch(int socket, Watcher& watcher, const Interest& now);
 
  private:
   void wait();
