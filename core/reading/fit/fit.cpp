@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/bounded_step.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
@@ -199,10 +200,10 @@ Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcep
   Square trial_hessian;
   double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
   for (frame_.steps = 0; frame_.steps < kMostSteps && !best.converged; ++frame_.steps) {
-    Square damped = best.hessian;
-    damped.diagonal() *= 1 + damping;
-    const Vector step = -damped.ldlt().solve(gradient);
-    Vector trial = best.at + step;
+    const double gamma = best.at[margin];
+    Vector trial = best.at + bounded_step(best.hessian, gradient, damping, margin, options_.min_gamma - gamma,
+                                          options_.max_gamma - gamma);
+    // Once more, as rounding may pass the bound.
     trial[margin] = std::clamp(trial[margin], options_.min_gamma, options_.max_gamma);
     trial[radius] = std::clamp(trial[radius], best.at[radius] / options_.max_radius_factor,
                                best.at[radius] * options_.max_radius_factor);

@@ -10,6 +10,7 @@
 
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/significance.hpp"
+#include "core/numeric/bounded_step.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
@@ -98,9 +99,9 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
     refresh(unknowns, best);
   }
   for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++frame_.steps) {
-    Square damped = best.normal.hessian;
-    damped.diagonal() *= 1 + damping;
-    const Vector step = -damped.ldlt().solve(best.normal.gradient);
+    const double gamma = best.evaluated[Model::margin];
+    const Vector step = bounded_step(best.normal.hessian, best.normal.gradient, damping, Model::margin,
+                                     fit_.min_gamma - gamma, fit_.max_gamma - gamma);
     const Full trial = stepped(best.evaluated, step);
     if (!trial.allFinite()) break;
     // Half the squared length of the step in standard deviations.

@@ -132,6 +132,28 @@ TEST(Fit, OfFewTaxelsFindsPlaceAndRadiusBetterThanTheirSums) {
   EXPECT_LT(median(radius_m), 0.5 * median(summed_radius_m));
 }
 
+// Noise puts the likeliest margin of a light pull on few taxels at 0 or 1 half of the time.
+TEST(Fit, ConvergesInAFewStepsAlsoWhereTheLikeliestMarginIsAtABound) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> unit(0, 1);
+  FrameMaker maker(TaxelLayout::grid(4, 4, 0.004));
+  PatchFinder finder(maker.layout());
+  FewTaxelsFit fit(maker.layout(), kPossibleFriction);
+  constexpr int kContacts = 400;
+  int converged = 0, steps = 0;
+  for (int i = 0; i < kContacts; ++i) {
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    contact.move_to(3, 0, 0.5);
+    contact.move_to(3, 1.5 * unit(random), 0.5);
+    const double x = 0.002 * (2 * unit(random) - 1), y = 0.002 * (2 * unit(random) - 1);
+    const Frame frame = maker.make(contact, x, y, 6.28 * unit(random), 0.02, Noise::sensor);
+    converged += fit.estimate(frame, finder.find(frame)).in_model ? 1 : 0;
+    steps += fit.steps();
+  }
+  EXPECT_GT(converged, 0.9 * kContacts);
+  EXPECT_LT(steps, 7 * kContacts);
+}
+
 TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
