@@ -9,7 +9,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/contact/scene_draws.hpp"
-#include "core/contact/subsurface/dome_sheet.hpp"
+#include "core/contact/subsurface/dome_averages.hpp"
 #include "core/numeric/random.hpp"
 #include "paper/dataset/alpha.hpp"
 
@@ -33,7 +33,7 @@ class Touched {
   // sqrt(radius² - r²) averaged over each taxel, in m.
   void averages(double radius_m, std::vector<double>& out) const {
     out.resize(taxel.size());
-    contact::DomeSheet::exact_values(radius_m, side_m_, u_m_, v_m_, out);
+    contact::average_dome(radius_m, side_m_, u_m_, v_m_, out);
   }
 
   std::vector<std::size_t> taxel;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <span>
 
 namespace slipd::contact {
 
@@ -41,6 +42,11 @@ struct DomeAverage {
   double d_x = 0;    // by the dome's radius x
   double d_u = 0;    // by the taxel's place relative to the dome's centre
   double d_v = 0;
+};
+
+// The same of many taxels, a list each.
+struct DomeAverages {
+  std::span<double> value, d_x, d_u, d_v;
 };
 
 // The integral over the rectangle from the origin to (u, v) and its derivatives; w is the height above the

@@ -15,6 +15,12 @@ struct CornerLists {
   double x, center_x, center_y;
 };
 
+[[gnu::always_inline]] inline void fill_values(const CornerLists& at) noexcept {
+#pragma omp simd
+  for (std::size_t i = 0; i < at.count; ++i)
+    at.value[i] = dome_corner(at.x, at.u[i] - at.center_x, at.v[i] - at.center_y).value;
+}
+
 [[gnu::always_inline]] inline void fill_corners(const CornerLists& at) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < at.count; ++i) {
@@ -26,24 +32,32 @@ struct CornerLists {
   }
 }
 
-// As in core/contact/subsurface/dome_sheet.cpp.
+// As in core/contact/subsurface/dome_averages.cpp.
+template <auto kLoop>
+void corners_on_baseline(const CornerLists& at) noexcept {
+  kLoop(at);
+}
+#if defined(__x86_64__)
+template <auto kLoop>
+[[gnu::target("avx2,fma")]] void corners_on_avx2(const CornerLists& at) noexcept {
+  kLoop(at);
+}
+template <auto kLoop>
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void corners_on_avx512(const CornerLists& at) noexcept {
+  kLoop(at);
+}
+#endif
+
 struct LatticeKernels {
   void (*corners)(const CornerLists&) noexcept;
+  void (*values)(const CornerLists&) noexcept;
   static const LatticeKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-void corners_on_baseline(const CornerLists& at) noexcept {
-  fill_corners(at);
-}
-const LatticeKernels LatticeKernels::baseline{corners_on_baseline};
+const LatticeKernels LatticeKernels::baseline{corners_on_baseline<fill_corners>,
+                                              corners_on_baseline<fill_values>};
 #if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void corners_on_avx2(const CornerLists& at) noexcept {
-  fill_corners(at);
-}
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void corners_on_avx512(const CornerLists& at) noexcept {
-  fill_corners(at);
-}
-const LatticeKernels LatticeKernels::avx2{corners_on_avx2};
-const LatticeKernels LatticeKernels::avx512{corners_on_avx512};
+const LatticeKernels LatticeKernels::avx2{corners_on_avx2<fill_corners>, corners_on_avx2<fill_values>};
+const LatticeKernels LatticeKernels::avx512{corners_on_avx512<fill_corners>, corners_on_avx512<fill_values>};
 #endif
 
 }  // namespace
@@ -79,30 +93,35 @@ void DomeLattice::set(const SquareLattice& lattice) noexcept {
   }
 }
 
-void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, std::span<double> value,
-                           std::span<double> d_x, std::span<double> d_u, std::span<double> d_v) noexcept {
+void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept {
   best_kernels<LatticeKernels>().corners({u_.data(), v_.data(), value_.data(), d_x_.data(), d_u_.data(),
                                           d_v_.data(), corners_, x, center_x_m, center_y_m});
+  put(value_, out.value);
+  put(d_x_, out.d_x);
+  put(d_u_, out.d_u);
+  put(d_v_, out.d_v);
+}
+
+void DomeLattice::values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept {
+  best_kernels<LatticeKernels>().values(
+      {u_.data(), v_.data(), value_.data(), nullptr, nullptr, nullptr, corners_, x, center_x_m, center_y_m});
+  put(value_, out);
+}
+
+// Inclusion and exclusion of each square's four corners.
+void DomeLattice::put(const std::vector<double>& of, std::span<double> to) const noexcept {
   const double per_area = 1 / (side_m_ * side_m_);
-  std::size_t square = 0;
+  double* out = to.data();
   for (std::size_t r = 0; r < squares_.size(); ++r) {
     const TaxelRun& run = squares_[r];
     if (run.first == run.end) continue;
-    const std::size_t low = rows_[r].start + run.first - rows_[r].first,
-                      high = rows_[r + 1].start + run.first - rows_[r + 1].first, count = run.end - run.first;
-    const auto put = [&](const std::vector<double>& of, std::span<double> to) {
-      const double* const below = of.data() + low;
-      const double* const above = of.data() + high;
-      double* const out = to.data() + square;
+    const double* const below = of.data() + rows_[r].start + run.first - rows_[r].first;
+    const double* const above = of.data() + rows_[r + 1].start + run.first - rows_[r + 1].first;
+    const std::size_t count = run.end - run.first;
 #pragma omp simd
-      for (std::size_t i = 0; i < count; ++i)
-        out[i] = ((above[i + 1] - above[i]) - (below[i + 1] - below[i])) * per_area;
-    };
-    put(value_, value);
-    put(d_x_, d_x);
-    put(d_u_, d_u);
-    put(d_v_, d_v);
-    square += count;
+    for (std::size_t i = 0; i < count; ++i)
+      out[i] = ((above[i + 1] - above[i]) - (below[i + 1] - below[i])) * per_area;
+    out += count;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/contact/subsurface/dome.hpp"
 #include "core/simd/taxel_runs.hpp"
 
 namespace slipd::contact {
@@ -33,15 +34,19 @@ class DomeLattice {
   void set(const SquareLattice& lattice) noexcept;
 
   // Averages for a dome of radius x about (center_x, center_y), and their derivatives; see DomeAverage. All
-  // spans have one value a square. Exact to rounding. x >= 0; lengths in m.
-  void evaluate(double x, double center_x_m, double center_y_m, std::span<double> value,
-                std::span<double> d_x, std::span<double> d_u, std::span<double> d_v) noexcept;
+  // spans have room for a value of each square. Exact to rounding. x >= 0; lengths in m.
+  void evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept;
+
+  // The averages alone, in less time.
+  void values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept;
 
   std::size_t memory_bytes() const noexcept {
     return sizeof(double) * kLists * u_.size() + sizeof(CornerRow) * rows_.capacity();
   }
 
  private:
+  void put(const std::vector<double>& of, std::span<double> to) const noexcept;
+
   static constexpr std::size_t kLists = 6;
   // Corners of one height: those of columns [first, first + count), from number `start` on.
   struct CornerRow {

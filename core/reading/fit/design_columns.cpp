@@ -42,7 +42,7 @@ using Sheet = contact::SubsurfaceSheet;
   }
 }
 
-// As in core/contact/subsurface/dome_sheet.cpp.
+// As in core/contact/subsurface/dome_averages.cpp.
 struct ColumnKernels {
   void (*fill)(const DesignColumn&, std::size_t, double*) noexcept;
   void (*multiply)(std::span<const double* const>, std::size_t, double*) noexcept;

@@ -77,7 +77,7 @@ struct Channels {
   out = {along2, both, across2, along, across};
 }
 
-// As in core/contact/subsurface/dome_sheet.cpp.
+// As in core/contact/subsurface/dome_averages.cpp.
 struct EllipticityKernels {
   void (*score)(const Scoring&, Score&) noexcept;
   static const EllipticityKernels baseline, avx2, avx512;  // chosen by best_kernels

@@ -126,7 +126,7 @@ template <bool kElliptic, bool kSymmetric, bool kGrowsBoth = false>
   }
 }
 
-// As in core/contact/subsurface/dome_sheet.cpp.
+// As in core/contact/subsurface/dome_averages.cpp.
 struct FieldKernels {
   using Kernel = void (*)(const FieldSlopes&, int, ChannelProducts&) noexcept;
   Kernel linearised;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
@@ -14,11 +15,24 @@
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
 #include "core/reading/moments/moments.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
 
 constexpr std::size_t kRings = 12;
+
+// k of each margin of a profile.
+const std::array<double, MarginProfile::kSteps> kStickShares = [] {
+  std::array<double, MarginProfile::kSteps> shares{};
+  for (std::size_t j = 0; j < shares.size(); ++j) shares[j] = std::cbrt(MarginProfile::gamma_of(j));
+  return shares;
+}();
+
+double square(double value) noexcept {
+  return value * value;
+}
+
 // Hertz: p0 = 3 P/(2 pi a^2).
 double peak_pressure(const ContactPatch& patch) noexcept {
   return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
@@ -26,30 +40,25 @@ double peak_pressure(const ContactPatch& patch) noexcept {
 
 }  // namespace
 
-Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, std::size_t most)
+Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, FitSamples& samples)
     : layout_(layout),
       options_(options),
-      prior_{.expected = friction_expected, .spread = options.prior.scene_spread} {
-  for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(most);
-  for (auto* sheet : {&outer_, &inner_}) {
-    for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(most);
-  }
-  slopes_.resize(2 * static_cast<Eigen::Index>(most), kUnknowns);
-  residuals_.resize(2 * static_cast<Eigen::Index>(most));
+      prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
+      samples_(samples),
+      contact_(samples.most()),
+      stick_(samples.most()) {
+  best_kernels<DomeProductKernels>();  // not first within a fit
 }
 
-std::size_t Fit::list_bytes() const noexcept {
-  // Lists, two residuals and their slopes a sample, and the dome sheet's.
-  constexpr std::size_t kNumbersASample = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
-  return kNumbersASample * sizeof(double) * x_.size();
+std::size_t Fit::samples_bytes() const noexcept {
+  constexpr std::size_t kLists = 2 * 4;
+  return samples_.memory_bytes() + kLists * sizeof(double) * samples_.most();
 }
 
-// Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
-void Fit::set_noise(const ContactPatch& patch, double taxels_along) noexcept {
-  const double floor_pa = options_.noise_floor * peak_pressure(patch);
-  frame_.noise_normal_pa = std::max(patch.noise_normal_pa, floor_pa) / taxels_along;
-  frame_.noise_shear_pa =
-      std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / taxels_along;
+void Fit::set_noise(const ContactPatch& patch) noexcept {
+  const double floor_pa = options_.noise_floor * peak_pressure(patch), along = samples_.taxels_along();
+  frame_.noise_normal_pa = std::max(patch.noise_normal_pa, floor_pa) / along;
+  frame_.noise_shear_pa = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / along;
 }
 
 Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
@@ -63,50 +72,68 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
   return at;
 }
 
-double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept {
-  const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, b = at[height], t = at[load];
-  const double a = at[radius];
-  for (std::size_t i = 0; i < frame_.count; ++i) {
-    u_[i] = x_[i] - at[center_x];
-    v_[i] = y_[i] - at[center_y];
-  }
-  fill_sheet(a, at, outer_);
-  fill_sheet(k * a, at, inner_);
+double Fit::evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept {
+  const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, a = at[radius];
+  samples_.average(a, at[center_x], at[center_y], contact_.averages());
+  samples_.average(k * a, at[center_x], at[center_y], stick_.averages());
+  const DomeTask task{.contact = contact_.pointers(),
+                      .stick = stick_.pointers(),
+                      .normal_pa = samples_.normal_pa().data(),
+                      .shear_pa = samples_.shear_pa().data(),
+                      .count = samples_.count(),
+                      .stick_share = k};
+  const DomeProductKernels& kernels = best_kernels<DomeProductKernels>();
+  const DomeHeights heights = kernels.heights(task);
+  if (!(heights.pressure > 0)) return std::numeric_limits<double>::infinity();
+  DomeProducts products;
+  kernels.products(task, heights, products);
 
-  using Values = Eigen::Map<const Eigen::ArrayXd>;
-  const auto n = static_cast<Eigen::Index>(frame_.count);
-  const auto values = [n](const std::vector<double>& list) { return Values(list.data(), n); };
-  const double wp = 1 / frame_.noise_normal_pa, wq = 1 / frame_.noise_shear_pa, shape = b * t / rest;
-  const double dk = a / (3 * k * k);  // of k a by Gamma
-  const Values outer = values(outer_.value), inner = values(inner_.value), inner_x = values(inner_.d_x);
+  // Residuals are sums of the columns of DomeProducts; a row for each unknown says of which.
+  const double b = heights.pressure, shear = heights.shear;
+  at[height] = b;
+  at[load] = shear * rest / b;
+  Eigen::Matrix<double, kUnknowns, DomeProducts::kPressure - 1> pressures;
+  pressures.setZero();
+  pressures(center_x, DomeProducts::pressure_u) = pressures(center_y, DomeProducts::pressure_v) = -b;
+  pressures(radius, DomeProducts::pressure_radius) = b;
+  pressures(height, DomeProducts::pressure_value) = 1;
+  Eigen::Matrix<double, kUnknowns, DomeProducts::kShear - 1> shears;
+  shears.setZero();
+  shears(center_x, DomeProducts::shear_u) = shears(center_y, DomeProducts::shear_v) = -shear;
+  shears(radius, DomeProducts::shear_radius) = shear;
+  shears(height, DomeProducts::shear_value) = shear / b;
+  shears(load, DomeProducts::shear_value) = b / rest;
+  shears(margin, DomeProducts::shear_value) = shear / rest;
+  shears(margin, DomeProducts::shear_stick) = -shear * a / (3 * k * k);  // k a by Gamma
 
-  auto jp = slopes_.topRows(n).array();
-  jp.col(center_x) = -wp * b * values(outer_.d_u);
-  jp.col(center_y) = -wp * b * values(outer_.d_v);
-  jp.col(radius) = wp * b * values(outer_.d_x);
-  jp.col(height) = wp * outer;
-  jp.rightCols(2).setZero();
-  residuals_.head(n) = wp * (b * outer - values(p_));
-
-  auto jq = slopes_.middleRows(n, n).array();
-  jq.col(center_x) = -wq * shape * (values(outer_.d_u) - values(inner_.d_u));
-  jq.col(center_y) = -wq * shape * (values(outer_.d_v) - values(inner_.d_v));
-  jq.col(radius) = wq * shape * (values(outer_.d_x) - k * inner_x);
-  jq.col(height) = wq * shape / b * (outer - inner);
-  jq.col(load) = wq * b / rest * (outer - inner);
-  jq.col(margin) = wq * shape * ((outer - inner) / rest - dk * inner_x);
-  residuals_.segment(n, n) = wq * (shape * (outer - inner) - values(q_));
-
-  // Column by column, as plain products of vectors: Eigen's matrix products may take memory for their blocks.
-  const auto columns = slopes_.topRows(2 * n);
-  const auto left = residuals_.head(2 * n);
-  for (int row = 0; row < kUnknowns; ++row) {
-    gradient[row] = columns.col(row).dot(left);
-    for (int column = 0; column <= row; ++column) {
-      hessian(row, column) = hessian(column, row) = columns.col(row).dot(columns.col(column));
+  gradient.setZero();
+  hessian.setZero();
+  double squares = 0;
+  const auto add = [&](const auto& rows, const auto& packed, double noise_pa) {
+    constexpr int kColumns = std::decay_t<decltype(rows)>::ColsAtCompileTime;
+    Eigen::Matrix<double, kColumns + 1, kColumns + 1> sums;
+    auto from = packed.begin();
+    for (int row = 0; row <= kColumns; ++row) {
+      for (int column = 0; column <= row; ++column) sums(row, column) = sums(column, row) = *from++;
     }
+    sums /= noise_pa * noise_pa;
+    hessian += rows * sums.template topLeftCorner<kColumns, kColumns>() * rows.transpose();
+    gradient += rows * sums.template topRightCorner<kColumns, 1>();
+    squares += sums(kColumns, kColumns);
+  };
+  add(pressures, products.pressure, frame_.noise_normal_pa);
+  add(shears, products.shear, frame_.noise_shear_pa);
+  // What the patch knows of place and size, to within that size: samples that all lie within the contact, or
+  // one that holds it, show nothing of them.
+  const Vector& first = frame_.first;
+  const double place = 1 / square(first[radius] + layout_.side_m()), size = 1 / square(first[radius]);
+  for (const auto& [unknown, weight] : {std::pair{center_x, place}, {center_y, place}, {radius, size}}) {
+    const double off = at[unknown] - first[unknown];
+    hessian(unknown, unknown) += weight;
+    gradient[unknown] += weight * off;
+    squares += weight * off * off;
   }
-  return 0.5 * left.squaredNorm();
+  return 0.5 * squares;
 }
 
 // Residuals summed ring by ring: noise averages out in a ring, another history does not.
@@ -116,11 +143,12 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
     double off = 0, held = 0, taxels = 0;
   };
   std::array<Ring, kRings> rings;
-  for (std::size_t i = 0; i < frame_.count; ++i) {
-    const double s = std::hypot(u_[i], v_[i]) / at[radius];
+  for (std::size_t i = 0; i < samples_.count(); ++i) {
+    const double u = samples_.x_m()[i] - at[center_x], v = samples_.y_m()[i] - at[center_y];
+    const double s = std::sqrt(u * u + v * v) / at[radius];
     auto& ring = rings[std::min(static_cast<std::size_t>(s * kRings), kRings - 1)];
-    ring.off += shape * (outer_.value[i] - inner_.value[i]) - q_[i];
-    ring.held += shape * outer_.value[i];
+    ring.off += shape * (contact_.value[i] - stick_.value[i]) - samples_.shear_pa()[i];
+    ring.held += shape * contact_.value[i];
     ring.taxels += 1;
   }
   RingMisfit sums;
@@ -146,11 +174,11 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
   };
   std::array<Part, 16> parts;
   const double half = 0.5 * at[radius] * at[radius];
-  for (std::size_t i = 0; i < frame_.count; ++i) {
-    const double u = u_[i], v = v_[i];
+  for (std::size_t i = 0; i < samples_.count(); ++i) {
+    const double u = samples_.x_m()[i] - at[center_x], v = samples_.y_m()[i] - at[center_y];
     const std::size_t which = (u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) +
                               (std::fabs(u) > std::fabs(v) ? 4U : 0U) + (u * u + v * v > half ? 8U : 0U);
-    parts[which].off += p_[i] - at[height] * outer_.value[i];
+    parts[which].off += samples_.normal_pa()[i] - at[height] * contact_.value[i];
     parts[which].taxels += 1;
   }
   double sum = 0;
@@ -158,7 +186,8 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
   const double free = static_cast<double>(parts.size()) - kFitted;
   const double by_noise = frame_.noise_normal_pa * frame_.noise_normal_pa;
   if (sum < (free + options_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
-  return std::sqrt((sum - free * by_noise) / static_cast<double>(frame_.count)) / (at[height] * at[radius]);
+  return std::sqrt((sum - free * by_noise) / static_cast<double>(samples_.count())) /
+         (at[height] * at[radius]);
 }
 
 // The profile holds place, size and height of the contact as they fit best, and they are not known so well:
@@ -178,13 +207,13 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
   const double share = profile_share(hessian);
   ProfileFriction friction;
   auto& profile = out.profile;
-  const auto n = static_cast<Eigen::Index>(frame_.count);
-  const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
-  Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
+  const auto n = static_cast<Eigen::Index>(samples_.count());
+  const Eigen::Map<const Eigen::ArrayXd> q(samples_.shear_pa().data(), n), whole(contact_.value.data(), n);
+  Eigen::Map<Eigen::ArrayXd> ring(stick_.value.data(), n);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double gamma = MarginProfile::gamma_of(j);
-    fill_sheet(std::cbrt(gamma) * at[radius], at, inner_);
-    ring = (outer - ring) * (at[height] / (1 - gamma));
+    samples_.average(kStickShares[j] * at[radius], at[center_x], at[center_y], stick_.value);
+    ring = (whole - ring) * (at[height] / (1 - gamma));
     const double square = ring.square().sum(), product = (ring * q).sum();
     const double t = std::max(options_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
@@ -194,11 +223,13 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
   weigh_profile(friction, prior_, out);
 }
 
-Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcept {
+Fit::Minimum Fit::minimise(const Vector& start) noexcept {
   Minimum best{start, {}, false};
   Vector gradient, trial_gradient;
   Square trial_hessian;
   double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
+  bool current = true;  // the domes are those of the best contact
+  const double settled = options_.converged_sigmas * options_.converged_sigmas;
   for (frame_.steps = 0; frame_.steps < kMostSteps && !best.converged; ++frame_.steps) {
     const double gamma = best.at[margin];
     Vector trial = best.at + bounded_step(best.hessian, gradient, damping, margin, options_.min_gamma - gamma,
@@ -209,20 +240,21 @@ Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcep
                                best.at[radius] * options_.max_radius_factor);
     if (!trial.allFinite()) break;
     const double trial_cost = evaluate(trial, trial_gradient, trial_hessian);
-    if (trial_cost <= cost) {
-      const Vector moved = trial - best.at;
-      const double moved_sigmas = (moved.array().abs() * best.hessian.diagonal().array().sqrt()).maxCoeff();
+    // As long as it would be without damping, better or not.
+    const Vector moved = (1 + damping) * (trial - best.at);
+    best.converged = moved.dot(best.hessian * moved) < settled;
+    current = trial_cost <= cost;
+    if (current) {
       best.at = trial;
       cost = trial_cost;
       gradient = trial_gradient;
       best.hessian = trial_hessian;
       damping = std::max(options_.min_damping, damping / options_.damping_factor);
-      best.converged = moved_sigmas < converged_sigmas;
     } else {
       damping *= options_.damping_factor;
-      best.converged = damping > options_.max_damping;
     }
   }
+  if (!current) evaluate(best.at, gradient, best.hessian);
   return best;
 }
 
@@ -235,19 +267,14 @@ bool Fit::take_last_step(Minimum& minimum) noexcept {
   at[margin] = std::clamp(at[margin], options_.min_gamma, options_.max_gamma);
   const double most = kStandsOutSigmas;
   if (!at.allFinite() || !(squares < most * most) || !(at[radius] > 0)) return false;
-  const auto move = [&](Sheet& sheet, double by_radius) {
+  const auto move = [&](Dome& dome, double by_radius) {
 #pragma omp simd
-    for (std::size_t i = 0; i < frame_.count; ++i) {
-      sheet.value[i] +=
-          by_radius * sheet.d_x[i] - step[center_x] * sheet.d_u[i] - step[center_y] * sheet.d_v[i];
+    for (std::size_t i = 0; i < samples_.count(); ++i) {
+      dome.value[i] += by_radius * dome.d_x[i] - step[center_x] * dome.d_u[i] - step[center_y] * dome.d_v[i];
     }
   };
-  move(outer_, step[radius]);
-  move(inner_, std::cbrt(at[margin]) * at[radius] - std::cbrt(minimum.at[margin]) * minimum.at[radius]);
-  for (std::size_t i = 0; i < frame_.count; ++i) {
-    u_[i] -= step[center_x];
-    v_[i] -= step[center_y];
-  }
+  move(contact_, step[radius]);
+  move(stick_, std::cbrt(at[margin]) * at[radius] - std::cbrt(minimum.at[margin]) * minimum.at[radius]);
   minimum.at = at;
   ++frame_.steps;
   return true;
@@ -281,6 +308,7 @@ void Fit::place(const ContactPatch& patch, const Vector& at, Reading& out) noexc
 Reading Fit::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
   frame_ = {};
   collect(patch);
+  set_noise(patch);
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   Reading out;
   out.moments = ratio.moments;
@@ -290,10 +318,10 @@ Reading Fit::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcep
   return out;
 }
 
-std::optional<Fit::Vector> Fit::start_of(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
-  const Vector first = start(patch, ratio);
-  if (!(first[load] > 0) || frame_.count < kUnknowns) return std::nullopt;
-  return first;
+std::optional<Fit::Vector> Fit::start_of(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
+  frame_.first = start(patch, ratio);
+  if (!(frame_.first[load] > 0) || samples_.count() < kUnknowns) return std::nullopt;
+  return frame_.first;
 }
 
 void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Minimum& minimum,

@@ -12,17 +12,16 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/contact/scene.hpp"
-#include "core/contact/subsurface/dome_lattice.hpp"
-#include "core/contact/subsurface/dome_sheet.hpp"
-#include "core/patch/square_blocks.hpp"
+#include "core/contact/subsurface/dome.hpp"
+#include "core/reading/fit/dome_products.hpp"
 #include "core/reading/fit/fit_options.hpp"
+#include "core/reading/fit/fit_samples.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 #include "core/reading/method/friction_prior.hpp"
 #include "core/reading/method/method.hpp"
@@ -57,30 +56,35 @@ class Fit : public SlipMethod {
     bool converged = false;
   };
 
-  struct Sheet {
+  // A dome averaged over each sample.
+  struct Dome {
     std::vector<double> value, d_x, d_u, d_v;
+
+    explicit Dome(std::size_t most) : value(most), d_x(most), d_u(most), d_v(most) {}
+    contact::DomeAverages averages() noexcept { return {value, d_x, d_u, d_v}; }
+    DomePointers pointers() const noexcept { return {value.data(), d_x.data(), d_u.data(), d_v.data()}; }
   };
-  // most: samples at most.
-  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, std::size_t most);
+
+  // samples: what collect() fills; outlives this.
+  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, FitSamples& samples);
   virtual std::size_t memory_bytes() const noexcept = 0;
-  // Of the lists that all fits have.
-  std::size_t list_bytes() const noexcept;
+  // Of samples and domes.
+  std::size_t samples_bytes() const noexcept;
 
   // The samples of a contact.
   virtual void collect(const ContactPatch& patch) noexcept = 0;
-  // Of a dome of radius x about the centre of `at`.
-  virtual void fill_sheet(double x, const Vector& at, Sheet& out) noexcept = 0;
   // A frame whose samples and moments are there.
   virtual void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept = 0;
 
-  // taxels_along: of a sample, whose noise is that of the mean of its taxels.
-  void set_noise(const ContactPatch& patch, double taxels_along = 1) noexcept;
+  // Of the samples as they are now.
+  void set_noise(const ContactPatch& patch) noexcept;
   Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
-  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
-  double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
-  Minimum minimise(const Vector& start, double converged_sigmas) noexcept;
+  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian. Pressure and
+  // shear are linear in height and load; these are set to what fits best with the others as they are.
+  double evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept;
+  Minimum minimise(const Vector& start) noexcept;
   // From the moments; none: there is no load, or there are too few samples.
-  std::optional<Vector> start_of(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
+  std::optional<Vector> start_of(const ContactPatch& patch, const MomentRatio& ratio) noexcept;
   // What a minimum says of a contact with many samples.
   void conclude(const ContactPatch& patch, const MomentRatio& ratio, const Minimum& minimum,
                 Reading& out) noexcept;
@@ -105,82 +109,86 @@ class Fit : public SlipMethod {
   const FitOptions options_;
   const FrictionPrior prior_;
   struct ThisFrame {
-    std::size_t count = 0;                           // taxels or blocks
-    double noise_normal_pa = 1, noise_shear_pa = 1;  // of each
+    double noise_normal_pa = 1, noise_shear_pa = 1;  // of each sample
+    Vector first = Vector::Zero();                   // by the moments
     int steps = 0;
   };
   ThisFrame frame_;
-  std::vector<double> x_, y_, p_, q_, u_, v_;
-  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>
-      slopes_;  // of each residual, pressures first, by each unknown
-  Eigen::VectorXd residuals_;
-  Sheet outer_, inner_;
-};
-
-// Each taxel by itself.
-class TaxelFit : public Fit {
- protected:
-  TaxelFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options);
-  void fill_sheet(double x, const Vector& at, Sheet& out) noexcept override;
-  void take(const ContactPatch& patch, std::uint32_t taxel) noexcept;
-
- private:
-  contact::DomeSheet sheet_;
+  FitSamples& samples_;
+  Dome contact_, stick_;  // of the contact that was evaluated last, and of where it sticks
 };
 
 // Few taxels: so few have no parabola, and only the whole profile means anything. Those without load count as
 // well.
-class FewTaxelsFit final : public TaxelFit {
+class FewTaxelsFit final : public Fit {
  public:
   FewTaxelsFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {})
-      : TaxelFit(layout, friction_expected, options) {}
+      : FewTaxelsFit(layout, friction_expected, options, std::make_unique<TaxelSamples>(layout)) {}
 
  private:
-  std::size_t memory_bytes() const noexcept override { return sizeof(*this) + list_bytes(); }
-  void collect(const ContactPatch& patch) noexcept override;
+  FewTaxelsFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options,
+               std::unique_ptr<TaxelSamples> taxels)
+      : Fit(layout, friction_expected, options, *taxels), taxels_(std::move(taxels)) {}
+  std::size_t memory_bytes() const noexcept override { return sizeof(*this) + samples_bytes(); }
+  void collect(const ContactPatch& patch) noexcept override { taxels_->collect_all(patch); }
   void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
+
+  const std::unique_ptr<TaxelSamples> taxels_;
 };
 
-// The taxels of an array that are in the contact. Ellipses are read by SubsurfaceFit.
-class ArrayFit final : public TaxelFit {
+// Many taxels, or blocks of them. Ellipses are read by SubsurfaceFit.
+class ArrayFit : public Fit {
  public:
-  ArrayFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {});
-  void forget() noexcept override { ellipses_.forget(); }
+  void forget() noexcept final { ellipses_.forget(); }
+
+ protected:
+  ArrayFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options,
+           FitSamples& samples);
+  virtual Minimum find_minimum(const ContactPatch& patch, const Vector& start) noexcept = 0;
 
  private:
-  std::size_t memory_bytes() const noexcept override {
-    return sizeof(*this) + list_bytes() + ellipses_.memory_bytes();
+  std::size_t memory_bytes() const noexcept final {
+    return sizeof(*this) + samples_bytes() + ellipses_.memory_bytes();
   }
-  void collect(const ContactPatch& patch) noexcept override;
-  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
+  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept final;
 
   SubsurfaceFit ellipses_;
 };
 
+// Each taxel of an array that is in the contact.
+class TaxelFit final : public ArrayFit {
+ public:
+  TaxelFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {})
+      : TaxelFit(layout, friction_expected, options, std::make_unique<TaxelSamples>(layout)) {}
+
+ private:
+  TaxelFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options,
+           std::unique_ptr<TaxelSamples> taxels)
+      : ArrayFit(layout, friction_expected, options, *taxels), taxels_(std::move(taxels)) {}
+  void collect(const ContactPatch& patch) noexcept override { taxels_->collect_inside(patch); }
+  Minimum find_minimum(const ContactPatch& patch, const Vector& start) noexcept override;
+
+  const std::unique_ptr<TaxelSamples> taxels_;
+};
+
 // Taxels of a grid, summed in square blocks: on large ones, then by one step on small ones. For layouts
 // that it fits.
-class BlockFit final : public Fit {
+class BlockFit final : public ArrayFit {
  public:
   BlockFit(const TaxelLayout& layout, Range friction_expected,
            const FitOptions& options = FitOptions::in_blocks());
   // Whether a layout's taxels can be summed in blocks: a grid of more than few taxels.
   static bool fits(const TaxelLayout& layout) noexcept;
   Method name() const noexcept override { return Method::block_fit; }
-  void forget() noexcept override { ellipses_.forget(); }
 
  private:
-  BlockFit(SquareBlocks blocks, const TaxelLayout& layout, Range friction_expected,
-           const FitOptions& options);
-  std::size_t memory_bytes() const noexcept override;
+  BlockFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options,
+           std::unique_ptr<BlockSamples> blocks)
+      : ArrayFit(layout, friction_expected, options, *blocks), blocks_(std::move(blocks)) {}
   void collect(const ContactPatch& patch) noexcept override;
-  void fill_sheet(double x, const Vector& at, Sheet& out) noexcept override;
-  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
-  void collect(const ContactPatch& patch, double along_radius) noexcept;
-  Minimum find_minimum(const ContactPatch& patch, const Vector& start) noexcept;
+  Minimum find_minimum(const ContactPatch& patch, const Vector& start) noexcept override;
 
-  SquareBlocks blocks_;
-  contact::DomeLattice lattice_;
-  SubsurfaceFit ellipses_;
+  const std::unique_ptr<BlockSamples> blocks_;
 };
 
 // Taxels under a skin.

@@ -20,8 +20,6 @@ struct FitOptions {
   // The same of the blocks on which such a fit takes all steps but the last one; 3 … 6. Too small: the last
   // step starts far from the minimum. Too large: costs time.
   double first_blocks_along_radius = 4;
-  // converged_sigmas on those; 0.01 … 0.5. Too small: more steps, for nothing. Too large: as above.
-  double first_converged_sigmas = 0.2;
   // Range of Gamma within which the fit searches; 1e-9 … 0.01 and 0.99 … 1. Too wide: the normal equations
   // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
   double min_gamma = 1e-6;
@@ -33,16 +31,14 @@ struct FitOptions {
   // The most by which one step may change the radius; factor, 1.1 … 10. Too small: more steps. Too large: a
   // wild step leaves the taxels.
   double max_radius_factor = 2;
-  // Levenberg-Marquardt's first damping, the factor by which it falls or grows, its least, and the one from
-  // which on no step makes the fit better; 1e-6 … 1, 2 … 100, 0 … 1e-6, 1e3 … 1e12. Too small a first one:
-  // steps are refused. Too large: more steps.
+  // Levenberg-Marquardt's first damping, the factor by which it falls or grows, and its least; 1e-6 … 1, 2 …
+  // 100, 0 … 1e-6. Too small a first one: steps are refused. Too large: more steps.
   double first_damping = 1e-3;
   double damping_factor = 10;
   double min_damping = 1e-9;
-  double max_damping = 1e6;
-  // It has converged when no unknown moves by more than this, in its own standard deviation; 1e-6 … 0.1. Too
-  // small: more steps, for nothing. Too large: it stops before the minimum.
-  double converged_sigmas = 1e-3;
+  // It has converged after a step shorter than this, in standard deviations; 1e-6 … 0.5. Too small: more
+  // steps, for nothing. Too large: it stops before the minimum.
+  double converged_sigmas = 0.1;
   // Floor of a taxel's noise, of the peak; 1e-8 … 0.01. Too small: frames without noise make the normal
   // equations singular. Too large: sigma is more than the error on very good sensors.
   double noise_floor = 1e-4;

@@ -105,7 +105,7 @@ struct Filling {
   }
 }
 
-// As in core/contact/subsurface/dome_sheet.cpp.
+// As in core/contact/subsurface/dome_averages.cpp.
 struct TableKernels {
   using Kernel = void (*)(const Filling&) noexcept;
   Kernel outer, inner;

@@ -104,8 +104,8 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
                                      fit_.min_gamma - gamma, fit_.max_gamma - gamma);
     const Full trial = stepped(best.evaluated, step);
     if (!trial.allFinite()) break;
-    // Half the squared length of the step in standard deviations.
-    if (gained < settled || -0.5 * step.dot(best.normal.gradient) < settled) {
+    // Half the squared length of the step in standard deviations, as it would be without damping.
+    if (gained < settled || -0.5 * (1 + damping) * step.dot(best.normal.gradient) < settled) {
       best.at = trial;
       best.converged = true;
       break;
@@ -113,16 +113,12 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
     evaluate(trial, unknowns, trial_normal);
     best.current = trial_normal.cost <= best.normal.cost;
     if (best.current) {
-      const auto moved = (trial - best.at).head(unknowns).array().abs();
-      const double moved_sigmas = (moved * best.normal.hessian.diagonal().array().sqrt()).maxCoeff();
-      best.converged = moved_sigmas < fit_.converged_sigmas;
       gained = best.normal.cost - trial_normal.cost;
       best.at = best.evaluated = trial;
       best.normal = trial_normal;
       damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
     } else {
       damping *= fit_.damping_factor;
-      best.converged = damping > fit_.max_damping;
     }
   }
 }

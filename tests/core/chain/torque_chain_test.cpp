@@ -111,7 +111,7 @@ TEST(TurningChain, WithoutTorqueMarginsAreThoseOfThePullToTheLastDigit) {
   Moments moments(kFineGrid);
   Scene scene;
   scene.objects = paper_objects();
-  ArrayFit fit(kFineGrid, expected_friction(scene));
+  TaxelFit fit(kFineGrid, expected_friction(scene));
   for (const MethodChoice choice : {MethodChoice::moments, MethodChoice::fit}) {
     SlipMethod& method = choice == MethodChoice::fit ? static_cast<SlipMethod&>(fit) : moments;
     ChainSetup setup{.layout = kFineGrid,

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/contact/averages.hpp"
+#include "core/contact/subsurface/dome_averages.hpp"
 #include "core/contact/subsurface/dome_lattice.hpp"
-#include "core/contact/subsurface/dome_sheet.hpp"
 
 namespace slipd::contact {
 namespace {
@@ -43,7 +43,7 @@ TEST(Dome, ItsDerivativesAreThoseOfItsAverage) {
   }
 }
 
-TEST(DomeSheet, AgreesWithTheClosedFormFromFineGridsToATaxelLargerThanTheContact) {
+TEST(DomeAverages, AreTheClosedFormFromFineGridsToATaxelLargerThanTheContact) {
   for (const double side : {0.03, 0.1, 0.3, 0.9, 3.0}) {
     std::vector<double> u, v;
     for (double y = -1.5; y <= 1.5; y += side) {
@@ -52,14 +52,19 @@ TEST(DomeSheet, AgreesWithTheClosedFormFromFineGridsToATaxelLargerThanTheContact
         v.push_back(y - 0.007);
       }
     }
-    std::vector<double> value(u.size()), d_x(u.size()), d_u(u.size()), d_v(u.size());
-    DomeSheet sheet(u.size(), side);
+    std::vector<double> value(u.size()), d_x(u.size()), d_u(u.size()), d_v(u.size()), alone(u.size());
     for (const double radius : {0.0, 0.01, 0.4, 1.0}) {
-      sheet.evaluate(radius, u, v, value, d_x, d_u, d_v);
+      average_dome(radius, side, u, v, {value, d_x, d_u, d_v});
+      average_dome(radius, side, u, v, alone);
       for (std::size_t i = 0; i < u.size(); ++i) {
-        EXPECT_NEAR(value[i], dome_average(radius, u[i], v[i], side).value, 6e-5 * std::max(radius, 0.01));
-        EXPECT_NEAR(d_x[i], dome_average(radius, u[i], v[i], side).d_x, 2e-3);
-        EXPECT_NEAR(d_u[i], dome_average(radius, u[i], v[i], side).d_u, 2e-3);
+        // Rounding of corners, over the square's area.
+        const double least = 1e-15 / (side * side);
+        EXPECT_NEAR(value[i], disc_average_exact(radius, u[i], v[i], side), least);
+        EXPECT_NEAR(alone[i], value[i], least);
+        const DomeAverage mean = dome_average(radius, u[i], v[i], side);
+        EXPECT_NEAR(d_x[i], mean.d_x, 1e-11);
+        EXPECT_NEAR(d_u[i], mean.d_u, 1e-11);
+        EXPECT_NEAR(d_v[i], mean.d_v, 1e-11);
       }
     }
   }
@@ -81,7 +86,9 @@ TEST(DomeLattice, AgreesWithTheClosedFormOfEachSquare) {
     const double x = unit(random), center_x = 0.3 * unit(random), center_y = -0.2 * unit(random);
     lattice.set({.left_m = left, .bottom_m = bottom, .side_m = side, .rows = rows});
     std::vector<double> value(kMost * kMost), d_x(value), d_u(value), d_v(value);
-    lattice.evaluate(x, center_x, center_y, value, d_x, d_u, d_v);
+    lattice.evaluate(x, center_x, center_y, {value, d_x, d_u, d_v});
+    std::vector<double> alone(value.size());
+    lattice.values(x, center_x, center_y, alone);
     std::size_t at = 0;
     for (std::size_t row = 0; row < rows.size(); ++row) {
       for (std::uint32_t column = rows[row].first; column < rows[row].end; ++column, ++at) {
@@ -90,6 +97,7 @@ TEST(DomeLattice, AgreesWithTheClosedFormOfEachSquare) {
                          bottom + side * (static_cast<double>(row) + 0.5) - center_y, side);
         // Rounding of corners, over the square's area.
         EXPECT_NEAR(value[at], mean.value, 1e-12);
+        EXPECT_NEAR(alone[at], mean.value, 1e-12);
         EXPECT_NEAR(d_x[at], mean.d_x, 1e-11);
         EXPECT_NEAR(d_u[at], mean.d_u, 1e-11);
         EXPECT_NEAR(d_v[at], mean.d_v, 1e-11);

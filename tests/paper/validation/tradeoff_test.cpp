@@ -25,7 +25,7 @@ Scene paper_scene() {
 TEST(Tradeoff, ShowsThatFitIsSlowerAndMoreAccurate) {
   const auto layout = TaxelLayout::grid(16, 16, 0.001);
   Moments moments(layout);
-  ArrayFit fit(layout, {0.1, 0.9});
+  TaxelFit fit(layout, {0.1, 0.9});
   const auto cheap = measure_tradeoff(layout, paper_scene(), moments, NoiseKind::relative, 0.01, 200, 7);
   const auto dear = measure_tradeoff(layout, paper_scene(), fit, NoiseKind::relative, 0.01, 200, 7);
   EXPECT_LT(dear.mean_error, 0.5 * cheap.mean_error);

@@ -86,7 +86,7 @@ TEST(Fit, ComesNearTheLimitOnEachLayoutWithACorrectSigma) {
 TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   FrameMaker maker(TaxelLayout::grid(50, 50, 0.0003));
   PatchFinder finder(maker.layout());
-  ArrayFit fit(maker.layout(), kPossibleFriction);
+  TaxelFit fit(maker.layout(), kPossibleFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
@@ -157,7 +157,7 @@ TEST(Fit, ConvergesInAFewStepsAlsoWhereTheLikeliestMarginIsAtABound) {
 TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
-  ArrayFit fit(maker.layout(), kPossibleFriction);
+  TaxelFit fit(maker.layout(), kPossibleFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.8, 0.5);
@@ -197,7 +197,7 @@ void expect_no_allocation(Fit& fit, FrameMaker& maker, double step_n, int most_s
 
 TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
   FrameMaker maker(TaxelLayout::grid(32, 32, 0.0005));
-  ArrayFit fit(maker.layout(), kPossibleFriction);
+  TaxelFit fit(maker.layout(), kPossibleFriction);
   expect_no_allocation(fit, maker, 0.05, Fit::kMostSteps);
 }
 
@@ -235,7 +235,7 @@ TEST(BlockFit, AgreesWithTheFitOfAllTaxelsWithinSigma) {
   for (const bool dead : {false, true}) {
     FrameMaker maker(TaxelLayout::grid(97, 71, 0.000144));
     PatchFinder finder(maker.layout());
-    ArrayFit fit(maker.layout(), kPossibleFriction);
+    TaxelFit fit(maker.layout(), kPossibleFriction);
     BlockFit in_blocks(maker.layout(), kPossibleFriction);
     std::vector<float> normal, x, y;
     int answered = 0, beyond = 0;
@@ -301,7 +301,7 @@ TEST(BlockFit, IsTheFitOfSingleTaxelsWhereTheyAreInNoGridOrFew) {
   EXPECT_EQ(in_blocks(TaxelLayout::grid(6, 6, 0.001))->name(), Method::fit);
   FrameMaker maker(scattered);
   PatchFinder finder(scattered);
-  ArrayFit fit(scattered, kPossibleFriction);
+  TaxelFit fit(scattered, kPossibleFriction);
   const auto wanted_in_blocks = in_blocks(scattered);
   EXPECT_EQ(wanted_in_blocks->name(), Method::fit);
   contact::LoadHistory contact(synthetic::paper_pair());

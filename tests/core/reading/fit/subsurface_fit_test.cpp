@@ -129,7 +129,7 @@ TEST(Fit, ReadsTiltedEllipsesAtTheSurfaceAsWellAsSpheres) {
     SCOPED_TRACE(of.side);
     constexpr int kContacts = 300;
     ShapeFrames frames(of.side, {.stretch = of.axes});
-    ArrayFit fit(frames.layout(), {0.1, 0.9});
+    TaxelFit fit(frames.layout(), {0.1, 0.9});
     double error = 0, answered = 0, within_two = 0;
     for (int i = 0; i < kContacts; ++i) {
       const ContactPatch& patch = frames.next();
@@ -156,7 +156,7 @@ TEST(Fit, OfALightPullIsNoGrossSlip) {
   PatchFinder finder(layout);
   for (const double axes : {1.0, 1.5}) {
     contact::ContactField sheet(layout, {.stretch = axes});
-    ArrayFit fit(layout, {0.1, 0.9});
+    TaxelFit fit(layout, {0.1, 0.9});
     int answered = 0;
     for (int i = 0; i < 250; ++i) {
       contact::LoadHistory contact(synthetic::paper_pair());
@@ -182,7 +182,7 @@ TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
   ShapeFrames frames(32, {});
   FitOptions round_only;
   round_only.elliptic_from = 2;  // no ellipse has as much
-  ArrayFit fit(frames.layout(), {0.1, 0.9}), round(frames.layout(), {0.1, 0.9}, round_only);
+  TaxelFit fit(frames.layout(), {0.1, 0.9}), round(frames.layout(), {0.1, 0.9}, round_only);
   for (int i = 0; i < 60; ++i) {
     const ContactPatch& patch = frames.next();
     const Reading one = fit.estimate(frames.frame(), patch), other = round.estimate(frames.frame(), patch);

@@ -1,0 +1,93 @@
+#include "core/reading/fit/fit_samples.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace slipd {
+
+TaxelSamples::TaxelSamples(const TaxelLayout& layout) : FitSamples(layout.size()), layout_(layout) {
+  const auto& grid = layout.regular();
+  const std::size_t rows = grid ? grid->rows : 1, columns = layout.size() / rows;
+  for (std::size_t row = 0; row < rows; ++row) {
+    all_.push_back(
+        {static_cast<std::uint32_t>(row * columns), static_cast<std::uint32_t>((row + 1) * columns)});
+  }
+  if (grid) {
+    lattice_.emplace(std::max(rows, columns));
+    rows_.reserve(rows);
+  } else {
+    u_.resize(layout.size());
+    v_.resize(layout.size());
+  }
+}
+
+std::size_t TaxelSamples::memory_bytes() const noexcept {
+  return list_bytes() + (lattice_ ? lattice_->memory_bytes() : 0) + sizeof(double) * 2 * u_.size() +
+         sizeof(TaxelRun) * (all_.size() + rows_.capacity());
+}
+
+void TaxelSamples::collect(const ContactPatch& patch, std::span<const TaxelRun> runs) noexcept {
+  count_ = 0;
+  for (const TaxelRun& run : runs) {
+    for (std::uint32_t i = run.first; i < run.end; ++i, ++count_) {
+      x_m_[count_] = layout_.x_m()[i] - patch.center_x_m;
+      y_m_[count_] = layout_.y_m()[i] - patch.center_y_m;
+      normal_pa_[count_] = patch.taxels.normal_pa[i];
+      shear_pa_[count_] = patch.shear_along_pa(i);
+    }
+  }
+  if (!lattice_ || count_ == 0) return;
+  const auto columns = static_cast<std::uint32_t>(layout_.regular()->columns);
+  rows_.clear();
+  for (const TaxelRun& run : runs) {
+    const std::uint32_t first = run.first % columns;
+    rows_.push_back({first, first + run.end - run.first});
+  }
+  // The first sample is in the first run's first column.
+  const double side = layout_.side_m();
+  lattice_->set({.left_m = x_m_.front() - side * (rows_.front().first + 0.5),
+                 .bottom_m = y_m_.front() - 0.5 * side,
+                 .side_m = side,
+                 .rows = rows_});
+}
+
+void TaxelSamples::place(double center_x_m, double center_y_m) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] = x_m_[i] - center_x_m;
+    v_[i] = y_m_[i] - center_y_m;
+  }
+}
+
+void TaxelSamples::average(double x, double center_x_m, double center_y_m,
+                           const contact::DomeAverages& out) noexcept {
+  if (lattice_) return lattice_->evaluate(x, center_x_m, center_y_m, out);
+  place(center_x_m, center_y_m);
+  contact::average_dome(x, layout_.side_m(), {u_.data(), count_}, {v_.data(), count_}, out);
+}
+
+void TaxelSamples::average(double x, double center_x_m, double center_y_m, std::span<double> value) noexcept {
+  if (lattice_) return lattice_->values(x, center_x_m, center_y_m, value);
+  place(center_x_m, center_y_m);
+  contact::average_dome(x, layout_.side_m(), {u_.data(), count_}, {v_.data(), count_}, value);
+}
+
+BlockSamples::BlockSamples(SquareBlocks blocks)
+    : FitSamples(blocks.most_along() * blocks.most_along()),
+      blocks_(std::move(blocks)),
+      lattice_(blocks_.most_along()) {}
+
+void BlockSamples::collect(const ContactPatch& patch, double along_radius) noexcept {
+  blocks_.sum(patch, along_radius);
+  lattice_.set({.left_m = blocks_.left_m(),
+                .bottom_m = blocks_.bottom_m(),
+                .side_m = blocks_.side_m(),
+                .rows = blocks_.rows()});
+  count_ = blocks_.size();
+  std::copy_n(blocks_.x_m().begin(), count_, x_m_.begin());
+  std::copy_n(blocks_.y_m().begin(), count_, y_m_.begin());
+  std::copy_n(blocks_.normal_pa().begin(), count_, normal_pa_.begin());
+  std::copy_n(blocks_.shear_pa().begin(), count_, shear_pa_.begin());
+}
+
+}  // namespace slipd
