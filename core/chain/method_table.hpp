@@ -34,7 +34,7 @@ struct MethodTableRow {
 std::span<const MethodTableRow> method_table() noexcept;
 
 // The processor that the table's times were taken on.
-inline constexpr const char* kMethodTableProcessor = "Intel Xeon (virtual), one core";
+inline constexpr const char* kMethodTableProcessor = "AMD EPYC (virtual), one core";
 
 // Each method that `setup` could use, at the mean size of its scene's contacts: between two rows of the table
 // linear in the number of taxels of the contact, beyond its ends the last row. Unknown numbers are NaN. No
@@ -44,7 +44,7 @@ WorkPrecision expected_work(const ChainSetup& setup);
 // The row of one method only; no rows where the table has none (closing at the surface).
 WorkPrecision expected_work_of(const ChainSetup& setup, Method method);
 
-// The time per frame that `auto` may spend, us: what the configuration says, else 50 at the surface, and
+// The time per frame that `auto` may spend, us: what the configuration says, else 100 at the surface, and
 // infinity under a skin, where fit alone takes several times as long.
 double frame_budget_us(const ChainSetup& setup) noexcept;
 
