@@ -249,9 +249,9 @@ Fit::Minimum Fit::minimise(const Vector& start) noexcept {
       cost = trial_cost;
       gradient = trial_gradient;
       best.hessian = trial_hessian;
-      damping = std::max(options_.min_damping, damping / options_.damping_factor);
+      damping /= options_.damping_factor;
     } else {
-      damping *= options_.damping_factor;
+      damping = std::max(options_.first_damping, damping * options_.damping_factor);
     }
   }
   if (!current) evaluate(best.at, gradient, best.hessian);

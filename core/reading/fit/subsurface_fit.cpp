@@ -116,9 +116,9 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
       gained = best.normal.cost - trial_normal.cost;
       best.at = best.evaluated = trial;
       best.normal = trial_normal;
-      damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
+      damping /= fit_.damping_factor;
     } else {
-      damping *= fit_.damping_factor;
+      damping = std::max(fit_.first_damping, damping * fit_.damping_factor);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "core/chain/chain.hpp"
 #include "core/contact/scene_draws.hpp"
 
 namespace slipd {
