@@ -1,7 +1,6 @@
 #include "core/reading/fit/fit.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
+#include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
@@ -193,12 +193,10 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
 // The profile holds place, size and height of the contact as they fit best, and they are not known so well:
 // the margin's variance with them held, over that with them free.
 double Fit::profile_share(const Square& hessian) const noexcept {
-  const Square covariance = hessian.inverse();
-  const double free = covariance(margin, margin);
+  const double free = ScaledInverse<Square>(hessian).variance(margin);
   const double held =
       1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
-  const double share = held / free;
-  return share > 0 && share < 1 ? std::max(share, options_.min_profile_share) : 1;
+  return std::clamp(held / free, options_.min_profile_share, 1.0);
 }
 
 // Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is
@@ -282,10 +280,10 @@ bool Fit::take_last_step(Minimum& minimum) noexcept {
 
 bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& out) const noexcept {
   const Vector& at = minimum.at;
-  const Square covariance = minimum.hessian.inverse();
-  const double variance = covariance(margin, margin);
-  if (!(variance > 0) || !std::isfinite(variance)) return false;
-  const double load_sigmas = at[load] / std::sqrt(covariance(load, load));
+  const ScaledInverse<Square> inverse(minimum.hessian);
+  const double variance = inverse.variance(margin), load_variance = inverse.variance(load);
+  if (!std::isfinite(variance)) return false;
+  const double load_sigmas = at[load] / std::sqrt(load_variance);
   if (!(load_sigmas > kClearSigmas)) return false;
   out.gamma = at[margin];
   out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
@@ -293,7 +291,7 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& o
   out.friction = at[load] / utilisation;
   out.friction_sigma =
       out.sigma < kKnownFrictionShare * utilisation
-          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(covariance(load, load)) / at[load])
+          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(load_variance) / at[load])
           : std::numeric_limits<double>::infinity();
   place(patch, at, out);
   return true;
