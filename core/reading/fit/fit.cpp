@@ -196,7 +196,8 @@ double Fit::profile_share(const Square& hessian) const noexcept {
   const double free = ScaledInverse<Square>(hessian).variance(margin);
   const double held =
       1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
-  return std::clamp(held / free, options_.min_profile_share, 1.0);
+  const double share = held / free;  // not a number where nothing shows the margin at all
+  return share < 1 ? std::max(share, options_.min_profile_share) : 1;
 }
 
 // Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is

@@ -154,6 +154,43 @@ TEST(Fit, ConvergesInAFewStepsAlsoWhereTheLikeliestMarginIsAtABound) {
   EXPECT_LT(steps, 7 * kContacts);
 }
 
+// Corners that taxels share and corners of each taxel round differently. Contacts within a single taxel show
+// nothing of their place, and rounding must not decide what is read of them.
+TEST(Fit, ReadsAGridAsItReadsTheSameTaxelsAtAnyPlaces) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const TaxelLayout grid = TaxelLayout::grid(4, 4, 0.006);
+  FrameMaker maker(grid);
+  PatchFinder finder(grid);
+  const auto of_grid = make_fit(grid, kPossibleFriction);
+  const auto scattered = make_fit(
+      TaxelLayout::scattered({grid.x_m().begin(), grid.x_m().end()}, {grid.y_m().begin(), grid.y_m().end()}),
+      kPossibleFriction);
+  int compared = 0, within_one = 0;
+  constexpr int kContacts = 200;
+  for (int i = 0; i < kContacts; ++i) {
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    const double normal_n = 0.3 + 3 * unit(random);
+    contact.move_to(normal_n, 0, 0.5);
+    contact.move_to(normal_n, 0.5 * unit(random) * normal_n, 0.5);
+    const double x = 0.006 * (2 * unit(random) - 1), y = 0.006 * (2 * unit(random) - 1);
+    const Frame frame = maker.make(contact, x, y, 6.28 * unit(random), 0.01, Noise::sensor);
+    const ContactPatch& patch = finder.find(frame);
+    const Reading one = of_grid->estimate(frame, patch), other = scattered->estimate(frame, patch);
+    EXPECT_EQ(one.in_model, other.in_model);
+    if (!one.in_model) continue;
+    ++compared;
+    const double to_edge =
+        std::min(std::fabs(std::fmod(std::fabs(x), 0.006)), std::fabs(std::fmod(std::fabs(y), 0.006)));
+    within_one += contact.contact_radius_m() < to_edge ? 1 : 0;
+    EXPECT_NEAR(one.gamma, other.gamma, 0.01);
+    EXPECT_NEAR(one.sigma, other.sigma, 0.01);
+    EXPECT_NEAR(one.radius_m, other.radius_m, 0.1 * one.radius_m);
+  }
+  EXPECT_GT(compared, 0.9 * kContacts);
+  EXPECT_GT(within_one, 5);
+}
+
 TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
