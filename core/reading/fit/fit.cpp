@@ -73,6 +73,8 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
 }
 
 double Fit::evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept {
+  gradient.setZero();
+  hessian.setZero();
   const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, a = at[radius];
   samples_.average(a, at[center_x], at[center_y], contact_.averages());
   samples_.average(k * a, at[center_x], at[center_y], stick_.averages());
@@ -106,8 +108,6 @@ double Fit::evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept {
   shears(margin, DomeProducts::shear_value) = shear / rest;
   shears(margin, DomeProducts::shear_stick) = -shear * a / (3 * k * k);  // k a by Gamma
 
-  gradient.setZero();
-  hessian.setZero();
   double squares = 0;
   const auto add = [&](const auto& rows, const auto& packed, double noise_pa) {
     constexpr int kColumns = std::decay_t<decltype(rows)>::ColsAtCompileTime;
@@ -227,6 +227,7 @@ Fit::Minimum Fit::minimise(const Vector& start) noexcept {
   Vector gradient, trial_gradient;
   Square trial_hessian;
   double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
+  if (!std::isfinite(cost)) return best;
   bool current = true;  // the domes are those of the best contact
   const double settled = options_.converged_sigmas * options_.converged_sigmas;
   for (frame_.steps = 0; frame_.steps < kMostSteps && !best.converged; ++frame_.steps) {
@@ -259,7 +260,7 @@ Fit::Minimum Fit::minimise(const Vector& start) noexcept {
 
 bool Fit::take_last_step(Minimum& minimum) noexcept {
   Vector gradient;
-  evaluate(minimum.at, gradient, minimum.hessian);
+  if (!std::isfinite(evaluate(minimum.at, gradient, minimum.hessian))) return false;
   const Vector step = -minimum.hessian.ldlt().solve(gradient);
   const double squares = -step.dot(gradient);  // of its length in standard deviations
   Vector at = minimum.at + step;

@@ -80,7 +80,8 @@ class Fit : public SlipMethod {
   void set_noise(const ContactPatch& patch) noexcept;
   Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian. Pressure and
-  // shear are linear in height and load; these are set to what fits best with the others as they are.
+  // shear are linear in height and load; these are set to what fits best with the others as they are. Not
+  // finite, and nothing is set, where no sample is in the contact.
   double evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept;
   Minimum minimise(const Vector& start) noexcept;
   // From the moments; none: there is no load, or there are too few samples.
