@@ -23,11 +23,12 @@ namespace {
 constexpr std::size_t kRings = 12;
 
 // k of each margin of a profile.
-const std::array<double, MarginProfile::kSteps> kStickShares = [] {
+std::array<double, MarginProfile::kSteps> stick_shares() noexcept {
   std::array<double, MarginProfile::kSteps> shares{};
   for (std::size_t j = 0; j < shares.size(); ++j) shares[j] = std::cbrt(MarginProfile::gamma_of(j));
   return shares;
-}();
+}
+const std::array<double, MarginProfile::kSteps> kStickShares = stick_shares();
 
 double square(double value) noexcept {
   return value * value;
@@ -213,11 +214,11 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
     const double gamma = MarginProfile::gamma_of(j);
     samples_.average(kStickShares[j] * at[radius], at[center_x], at[center_y], stick_.value);
     ring = (whole - ring) * (at[height] / (1 - gamma));
-    const double square = ring.square().sum(), product = (ring * q).sum();
-    const double t = std::max(options_.min_traction_ratio, product / square);
+    const double squares = ring.square().sum(), product = (ring * q).sum();
+    const double t = std::max(options_.min_traction_ratio, product / squares);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] =
-        share * 0.5 * (t * t * square - 2 * t * product) / (frame_.noise_shear_pa * frame_.noise_shear_pa);
+        share * 0.5 * (t * t * squares - 2 * t * product) / (frame_.noise_shear_pa * frame_.noise_shear_pa);
   }
   weigh_profile(friction, prior_, out);
 }

@@ -31,8 +31,9 @@ struct FitOptions {
   // The most by which one step may change the radius; factor, 1.1 … 10. Too small: more steps. Too large: a
   // wild step leaves the taxels.
   double max_radius_factor = 2;
-  // Levenberg-Marquardt's damping at first and at least after a step that was refused, and the factor by which
-  // it falls or grows; 1e-6 … 1, 2 … 100. Too small a first one: steps are refused. Too large: more steps.
+  // Levenberg-Marquardt's damping at first and at least after a step that was refused, and the factor by
+  // which it falls or grows; 1e-6 … 1, 2 … 100. Too small a first one: steps are refused. Too large: more
+  // steps.
   double first_damping = 1e-3;
   double damping_factor = 10;
   // It has converged after a step shorter than this, in standard deviations; 1e-6 … 0.5. Too small: more
