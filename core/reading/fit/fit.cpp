@@ -52,8 +52,8 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& o
 }
 
 std::size_t Fit::samples_bytes() const noexcept {
-  constexpr std::size_t kLists = 2 * 4;
-  return samples_.memory_bytes() + kLists * sizeof(double) * samples_.most();
+  constexpr std::size_t kListsOfADome = 4;
+  return samples_.memory_bytes() + 2 * kListsOfADome * sizeof(double) * samples_.most();
 }
 
 void Fit::set_noise(const ContactPatch& patch) noexcept {
