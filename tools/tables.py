@@ -23,6 +23,9 @@ SLUGS = {
 }
 
 
+KEPT = "(kept)"  # stands in a section that was not measured again: its page and tables stay as they are
+
+
 def stamp(root, command, machine=None):
     """When, where and by what the tables were measured: one sentence for the head of a page."""
     def git(*words):
@@ -55,6 +58,9 @@ def write(text, folder, stamped):
     for section in sections:
         heading, body = section.split("\n", 1)
         slug = SLUGS[heading]
+        index.append(f"* [{heading}]({slug}.md)")
+        if KEPT in body:
+            continue
         names = [f"{slug}{f'-{at}' if at > 1 else ''}.csv" for at in range(1, len(tables(body)) + 1)]
         for name, rows in zip(names, tables(body)):
             with open(folder / name, "w", newline="", encoding="utf-8") as file:
@@ -62,5 +68,4 @@ def write(text, folder, stamped):
         links = ", ".join(f"[{name}]({name})" for name in names)
         (folder / f"{slug}.md").write_text(f"# {heading}\n\n{stamped} Terms: [README.md](README.md). As CSV: {links}.\n\n{from_below(body).strip()}\n",
                                            encoding="utf-8")
-        index.append(f"* [{heading}]({slug}.md)")
     (folder / "README.md").write_text(f"{from_below(head).strip()}\n\n{stamped}\n\n" + "\n".join(index) + "\n", encoding="utf-8")
