@@ -12,8 +12,8 @@ namespace {
 
 // The slip moment Q (5/3 - 5/2 <u>_q) after a monotonic load, over mu P: with Gamma = k^3 it is
 // 5/3 (1 - k^3) - (1 - k^5). (docs/theory.md §7)
-double monotonic_slip_moment(double gamma) noexcept {
-  const double k = std::cbrt(std::clamp(gamma, 0.0, 1.0)), k3 = k * k * k;
+double monotonic_slip_moment(double k) noexcept {
+  const double k3 = k * k * k;
   return 5.0 / 3 * (1 - k3) - (1 - k3 * k * k);
 }
 
@@ -77,33 +77,28 @@ void FrictionByShape::lose_history(HistoryEvent why) noexcept {
   foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-// The slip moment, along the shear, of that friction's contact less that after a monotonic load.
-double FrictionByShape::beyond_monotonic_n(std::size_t friction, double load,
-                                           double normal_n) const noexcept {
-  const double mu = grid().friction(friction);
-  return std::copysign(1.0, foundations_.shear_n(friction)) *
-             foundations_.shear_moments(friction).slip_moment_n -
-         mu * normal_n * monotonic_slip_moment(1 - load / mu);
-}
-
 // Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
 // reads as a margin that is smaller by dGamma/drho dS/Q.
-MeanSigma FrictionByShape::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
+FrictionByShape::HistoryOffset FrictionByShape::offset_of(std::size_t friction, double load,
+                                                          double normal_n) const noexcept {
   const double mu = grid().friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
-  const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
-  const double off_n = beyond_monotonic_n(friction, load, normal_n);
+  const double k = std::cbrt(std::clamp(1 - load / mu, 0.0, 1.0));
+  const double beyond_n = std::copysign(1.0, foundations_.shear_n(friction)) *
+                              foundations_.shear_moments(friction).slip_moment_n -
+                          limit_n * monotonic_slip_moment(k);
   const double resolved_n = options_.monotonic_share_of_limit * limit_n;
-  const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
-  const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
-  return {clear, std::hypot(options_.offset_sigma_share * clear,
-                            grasp_.other_history ? per_newton * resolved_n : 0)};
+  const double per_newton = gamma_per_moment_ratio(k) / shear_n;
+  return {beyond_n, per_newton * std::copysign(std::max(0.0, std::fabs(beyond_n) - resolved_n), beyond_n),
+          per_newton * resolved_n};
 }
 
 bool FrictionByShape::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid().likeliest();
   const double limit_n = grid().friction(j) * normal_n;
-  grasp_.margin_offset = offset_of(j, load, normal_n);
-  return std::fabs(beyond_monotonic_n(j, load, normal_n)) <
+  const HistoryOffset offset = offset_of(j, load, normal_n);
+  grasp_.margin_offset = {offset.margin, std::hypot(options_.offset_sigma_share * offset.margin,
+                                                    grasp_.other_history ? offset.unresolved : 0)};
+  return std::fabs(offset.beyond_n) <
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 
@@ -156,7 +151,7 @@ bool FrictionByShape::compare_margin(const ContactPatch& patch, const Reading& r
   PerFriction residuals;  // the first grid().count() of them
   PosteriorSums offsets;
   for (std::size_t j = 0; j < grid().count(); ++j) {
-    const double offset = offset_of(j, load, patch.normal_n).mean;
+    const double offset = offset_of(j, load, patch.normal_n).margin;
     offsets.add(grid().weight(j), offset);
     const double expected = std::max(0.0, 1 - load / grid().friction(j)) - offset;
     residuals[j] = reading.gamma - std::clamp(expected, 0.0, 1.0);  // more than full slip is not read

@@ -53,8 +53,13 @@ class FrictionByShape final : public FrictionFilter {
   bool weigh_frame(const FrictionFrame& frame) noexcept;
   bool compare_margin(const ContactPatch& patch, const Reading& reading) noexcept;
   bool compare_moments(const ContactPatch& patch, const Reading& reading, bool followed_only) noexcept;
-  double beyond_monotonic_n(std::size_t friction, double load, double normal_n) const noexcept;
-  MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
+  // What the contact of a friction differs from one after a monotonic load.
+  struct HistoryOffset {
+    double beyond_n = 0;    // of the slip moment, along the shear
+    double margin = 0;      // of the margin read, by what of that is clear
+    double unresolved = 0;  // of the margin: what is not clear
+  };
+  HistoryOffset offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void verify(const FrictionFrame& frame, bool clear) noexcept;
 
   FollowedForces forces_;

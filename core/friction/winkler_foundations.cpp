@@ -138,26 +138,32 @@ void WinklerFoundations::take_over(std::size_t from, const PerBed<std::int32_t>&
   summed_ = false;
 }
 
+// <u>_p = 2/5 sets the scale (u = r^2/a^2), so that what the springs are too coarse for cancels. A spring at
+// x stands for 2 x^2 of <r^2> and 8/3 x^4 of <r^4>, over those of p.
 void WinklerFoundations::sum_up() const noexcept {
   const double radius = std::cbrt(normal_n_);
   const Rest rest = rests(radius * radius);
-  sums_.p = sums_.p2 = 0;
+  float p = 0, p2 = 0;
   for (std::size_t i = 0; i < kSprings; ++i) {
-    sums_.p += rest[i];
-    sums_.p2 += rest[i] * (place(i) * place(i));
+    p += rest[i];
+    p2 += rest[i] * (place(i) * place(i));
   }
-  kernels_->sums(loads_[0].data(), sums_.q.data(), sums_.q2.data(), sums_.q4.data(), vectors_);
+  PerBed<float> q, q2, q4;
+  kernels_->sums(loads_[0].data(), q.data(), q2.data(), q4.data(), vectors_);
+  const double newton = normal_n_ / p;
+#pragma omp simd
+  for (std::size_t j = 0; j < count_; ++j) {
+    const double u = 0.4 * q2[j] / p2, u2 = 8.0 / 3 * 0.04 * q4[j] * (p / p2) * (p / p2);
+    moments_.slip_n[j] = newton * (5.0 / 3 * q[j] - 2.5 * p * u);
+    moments_.legendre_n[j] = newton * (6 * u2 - 6 * p * u + q[j]);
+  }
   summed_ = true;
 }
 
 contact::ShearMoments WinklerFoundations::shear_moments(std::size_t j) const noexcept {
   if (!(normal_n_ > 0)) return {};
   if (!summed_) sum_up();
-  const float p = sums_.p, p2 = sums_.p2, q = sums_.q[j], q2 = sums_.q2[j], q4 = sums_.q4[j];
-  // <u>_p = 2/5 sets the scale (u = r^2/a^2), so that what the springs are too coarse for cancels. A spring
-  // at x stands for 2 x^2 of <r^2> and 8/3 x^4 of <r^4>, over those of p.
-  const double newton = normal_n_ / p, u = 0.4 * q2 / p2, u2 = 8.0 / 3 * 0.04 * q4 * (p / p2) * (p / p2);
-  return {newton * (5.0 / 3 * q - 2.5 * p * u), newton * (6 * u2 - 6 * p * u + q)};
+  return {moments_.slip_n[j], moments_.legendre_n[j]};
 }
 
 }  // namespace slipd

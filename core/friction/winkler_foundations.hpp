@@ -72,11 +72,10 @@ class WinklerFoundations {
   PerBed<double> shear_n_{};
   std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
 
-  struct Sums {
-    PerBed<float> q, q2, q4;
-    float p, p2;
+  struct Moments {
+    PerBed<double> slip_n, legendre_n;
   };
-  mutable Sums sums_{};
+  mutable Moments moments_{};
   mutable bool summed_ = false;
 };
 

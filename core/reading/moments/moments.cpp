@@ -13,15 +13,6 @@
 namespace slipd {
 namespace {
 
-// The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k.
-double slope(double k) noexcept {
-  constexpr double kNoLoad = 1e-6;  // of 1 - Gamma: below it the closed form is 0/0, and its limit holds
-  const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
-  if (rest < kNoLoad) return 9.0 / 5;
-  const double d_ratio = (-5 * k2 * rest + 3 * (1 - k2 * k3)) / (rest * rest);  // per k^2
-  return 3 / d_ratio;
-}
-
 // What noise of each taxel makes of <r^2>: sqrt(sum (r^2 - mean)^2) over the sum of what it is weighted by.
 double noise_of_mean(double sigma_pa, double sum_pa, double mean, double r2, double r4, double n) noexcept {
   const double scatter = std::max(0.0, r4 - 2 * mean * r2 + mean * mean * n);
@@ -50,8 +41,12 @@ double gamma_of_moment_ratio(double ratio) noexcept {
   return k * k * k;
 }
 
-double gamma_per_moment_ratio(double gamma) noexcept {
-  return slope(std::cbrt(gamma));
+double gamma_per_moment_ratio(double k) noexcept {
+  constexpr double kNoLoad = 1e-6;  // of 1 - Gamma: below it the closed form is 0/0, and its limit holds
+  const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
+  if (rest < kNoLoad) return 9.0 / 5;
+  const double d_ratio = (-5 * k2 * rest + 3 * (1 - k2 * k3)) / (rest * rest);  // per k^2
+  return 3 / d_ratio;
 }
 
 namespace {
@@ -138,7 +133,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   const double open = kClearSigmas * ratio.sigma + options_.range_slack;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = ratio.gamma;
-  const double per_ratio = slope(std::cbrt(out.gamma)),
+  const double per_ratio = gamma_per_moment_ratio(std::cbrt(out.gamma)),
                deviation = ratio.deviation.sigma(options_.ratio.deviation);
   out.sigma = std::hypot(per_ratio * ratio.sigma, deviation);
   out.common_sigma = std::hypot(per_ratio * ratio.common_sigma, deviation);

@@ -15,8 +15,9 @@ namespace slipd {
 // Gamma for a moment ratio; below 1 it is 0, above 5/3 it is 1.
 double gamma_of_moment_ratio(double ratio) noexcept;
 
-// Its slope: 1 at gross slip … 9/5 without load, at gamma in 0 … 1.
-double gamma_per_moment_ratio(double gamma) noexcept;
+// Its slope: 1 at gross slip … 9/5 without load. k: the stick zone's radius over the contact's, cbrt(Gamma),
+// 0 … 1.
+double gamma_per_moment_ratio(double k) noexcept;
 
 // All dimensionless. Checked with `slipd-lab tradeoff --no-models`, rows of moments: sigma is right where 68
 // % of the answers are within it. side: a taxel's side; a: the contact's radius.

@@ -95,7 +95,8 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   out.gamma = gamma_of_moment_ratio(ratio.value);
   if (!half_space(ratio, out.gamma, coarse)) return out;
   if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
-  const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);
+  const double slope = gamma_per_moment_ratio(std::cbrt(out.gamma)),
+               of_shape = deviation.sigma(options_.deviation);
   out.sigma = std::hypot(slope * std::hypot(ratio.noise, common), of_shape);
   out.common_sigma = std::hypot(slope * common, of_shape);
   // A margin lies below 1: no nearer to it than what noise may be of it.
