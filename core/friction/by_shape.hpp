@@ -5,8 +5,8 @@
 #pragma once
 
 #include "core/friction/followed_forces.hpp"
+#include "core/friction/foundations/winkler_foundations.hpp"
 #include "core/friction/friction_filter.hpp"
-#include "core/friction/winkler_foundations.hpp"
 
 namespace slipd {
 

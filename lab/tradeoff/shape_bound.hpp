@@ -6,7 +6,7 @@
 #include "core/contact/contact_field.hpp"
 #include "core/contact/hertz.hpp"
 #include "core/contact/subsurface/subsurface.hpp"
-#include "core/reading/fit/contact_shape.hpp"
+#include "core/reading/fit/normal_equations/contact_shape.hpp"
 
 namespace lab {
 

@@ -5,7 +5,7 @@
 
 #include "core/contact/contact_field.hpp"
 #include "core/frame/layout.hpp"
-#include "core/reading/fit/contact_shape.hpp"
+#include "core/reading/fit/normal_equations/contact_shape.hpp"
 
 namespace lab {
 namespace {

@@ -19,9 +19,9 @@
 
 #include "core/contact/scene.hpp"
 #include "core/contact/subsurface/dome.hpp"
-#include "core/reading/fit/dome_products.hpp"
 #include "core/reading/fit/fit_options.hpp"
 #include "core/reading/fit/fit_samples.hpp"
+#include "core/reading/fit/normal_equations/dome_products.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 #include "core/reading/method/friction_prior.hpp"
 #include "core/reading/method/method.hpp"

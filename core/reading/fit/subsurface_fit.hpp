@@ -25,9 +25,9 @@
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/few_taxels.hpp"
 #include "core/patch/hertz_deviation.hpp"
-#include "core/reading/fit/contact_shape.hpp"
-#include "core/reading/fit/design_columns.hpp"
 #include "core/reading/fit/fit_options.hpp"
+#include "core/reading/fit/normal_equations/contact_shape.hpp"
+#include "core/reading/fit/normal_equations/design_columns.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/skin_depth.hpp"
 

@@ -1,4 +1,4 @@
-// The loops of turning_kernels.hpp; this file is built once for each instruction set
+// The loops of torque_kernels.hpp; this file is built once for each instruction set
 // (slipd_instruction_sets). No function of the standard library is called here: what is inline there would
 // exist once for all files, perhaps for the wrong processor.
 #include "core/reading/torque/torque_kernels.hpp"

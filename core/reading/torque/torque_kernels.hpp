@@ -1,5 +1,5 @@
 // The loops over taxels of FrictionPlateau and TorqueMomentRatio. They exist once for each instruction set
-// (turning_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here
+// (torque_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here
 // allocates.
 #pragma once
 

@@ -1,5 +1,5 @@
-// One Winkler foundation in its plain form. core/friction/winkler_foundations follows many of them and must
-// agree with this one to the last bit; this one must agree with the exact load history.
+// One Winkler foundation in its plain form. core/friction/foundations/winkler_foundations follows many of
+// them and must agree with this one to the last bit; this one must agree with the exact load history.
 #pragma once
 
 #include <array>

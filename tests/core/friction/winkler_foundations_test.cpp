@@ -1,5 +1,5 @@
 // Many foundations side by side agree with single ones, on every instruction set.
-#include "core/friction/winkler_foundations.hpp"
+#include "core/friction/foundations/winkler_foundations.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/reading/fit/axisymmetric_normal_equations.hpp"
+#include "core/reading/fit/normal_equations/axisymmetric_normal_equations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/contact/contact_field.hpp"
-#include "core/reading/fit/contact_shape.hpp"
+#include "core/reading/fit/normal_equations/contact_shape.hpp"
 #include "tests/support/synthetic.hpp"
 
 namespace slipd {

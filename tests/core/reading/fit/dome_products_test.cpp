@@ -1,5 +1,5 @@
 // The sums that fits are made of are the same on every instruction set, and the same as plain sums.
-#include "core/reading/fit/dome_products.hpp"
+#include "core/reading/fit/normal_equations/dome_products.hpp"
 
 #include <gtest/gtest.h>
 

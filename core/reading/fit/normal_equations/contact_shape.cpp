@@ -1,4 +1,4 @@
-#include "core/reading/fit/contact_shape.hpp"
+#include "core/reading/fit/normal_equations/contact_shape.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numeric>
 
-#include "core/reading/fit/field_slopes.hpp"
+#include "core/reading/fit/normal_equations/field_slopes.hpp"
 
 namespace slipd {
 namespace {

@@ -1,7 +1,7 @@
 // The loops of winkler_kernels.hpp; this file is built once for each instruction set
 // (slipd_instruction_sets). No function of the standard library is called here: what is inline there would
 // exist once for all files, perhaps for the wrong processor.
-#include "core/friction/winkler_kernels.hpp"
+#include "core/friction/foundations/winkler_kernels.hpp"
 
 #include "core/simd/lanes.ipp"
 

@@ -12,9 +12,9 @@
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
-#include "core/reading/fit/axisymmetric_normal_equations.hpp"
-#include "core/reading/fit/ellipticity_test.hpp"
-#include "core/reading/fit/slope_block.hpp"
+#include "core/reading/fit/normal_equations/axisymmetric_normal_equations.hpp"
+#include "core/reading/fit/normal_equations/ellipticity_test.hpp"
+#include "core/reading/fit/normal_equations/slope_block.hpp"
 
 namespace slipd {
 

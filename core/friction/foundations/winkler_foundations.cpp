@@ -1,4 +1,4 @@
-#include "core/friction/winkler_foundations.hpp"
+#include "core/friction/foundations/winkler_foundations.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 // The loops over springs that WinklerFoundations spends its time in. They exist once for each instruction set
-// (spring_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here allocates.
+// (winkler_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here
+// allocates.
 #pragma once
 
 #include <cstddef>

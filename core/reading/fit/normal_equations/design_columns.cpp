@@ -1,4 +1,4 @@
-#include "core/reading/fit/design_columns.hpp"
+#include "core/reading/fit/normal_equations/design_columns.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "core/reading/fit/field_slopes.hpp"
+#include "core/reading/fit/normal_equations/field_slopes.hpp"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/contact/subsurface/subsurface.hpp"
-#include "core/reading/fit/axisymmetric_normal_equations.hpp"
+#include "core/reading/fit/normal_equations/axisymmetric_normal_equations.hpp"
 
 namespace slipd {
 

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "core/contact/subsurface/subsurface.hpp"
-#include "core/reading/fit/radial_field_table.hpp"
-#include "core/reading/fit/slope_block.hpp"
+#include "core/reading/fit/normal_equations/radial_field_table.hpp"
+#include "core/reading/fit/normal_equations/slope_block.hpp"
 
 namespace slipd {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "core/contact/subsurface/subsurface.hpp"
-#include "core/reading/fit/slope_block.hpp"
+#include "core/reading/fit/normal_equations/slope_block.hpp"
 
 namespace slipd {
 

@@ -1,6 +1,6 @@
 // Built once for each instruction set (slipd_instruction_sets). No function of the standard library is called
 // here: what is inline there would exist once for all files, perhaps for the wrong processor.
-#include "core/reading/fit/dome_products.hpp"
+#include "core/reading/fit/normal_equations/dome_products.hpp"
 
 #include "core/simd/lanes.ipp"
 

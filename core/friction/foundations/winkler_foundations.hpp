@@ -13,7 +13,7 @@
 #include <span>
 
 #include "core/contact/shear_moments.hpp"
-#include "core/friction/winkler_kernels.hpp"
+#include "core/friction/foundations/winkler_kernels.hpp"
 
 namespace slipd {
 

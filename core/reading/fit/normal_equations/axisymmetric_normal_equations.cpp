@@ -1,4 +1,4 @@
-#include "core/reading/fit/axisymmetric_normal_equations.hpp"
+#include "core/reading/fit/normal_equations/axisymmetric_normal_equations.hpp"
 
 #include <algorithm>
 #include <cmath>

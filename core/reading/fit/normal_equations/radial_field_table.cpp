@@ -1,4 +1,4 @@
-#include "core/reading/fit/radial_field_table.hpp"
+#include "core/reading/fit/normal_equations/radial_field_table.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "core/reading/fit/ellipticity_test.hpp"
+#include "core/reading/fit/normal_equations/ellipticity_test.hpp"
 
 #include <algorithm>
 #include <cmath>
