@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "core/simd/inlined_loops.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {
@@ -30,23 +31,6 @@ struct Squares {
   for (std::size_t i = 0; i < at.count; ++i)
     at.value[i] = dome_average(at.x, at.u[i], at.v[i], at.side).value;
 }
-
-// Not a file built once for each instruction set, as other loops are: these call the standard library, which
-// is inlined into a function for what that function is built for.
-template <auto kLoop>
-void on_baseline(const Squares& at) noexcept {
-  kLoop(at);
-}
-#if defined(__x86_64__)
-template <auto kLoop>
-[[gnu::target("avx2,fma")]] void on_avx2(const Squares& at) noexcept {
-  kLoop(at);
-}
-template <auto kLoop>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void on_avx512(const Squares& at) noexcept {
-  kLoop(at);
-}
-#endif
 
 struct DomeKernels {
   void (*averages)(const Squares&) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/contact/subsurface/dome.hpp"
+#include "core/simd/inlined_loops.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {
@@ -15,7 +16,7 @@ struct CornerLists {
   double x, center_x, center_y;
 };
 
-[[gnu::always_inline]] inline void fill_values(const CornerLists& at) noexcept {
+[[gnu::always_inline]] inline void fill_corner_values(const CornerLists& at) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < at.count; ++i)
     at.value[i] = dome_corner(at.x, at.u[i] - at.center_x, at.v[i] - at.center_y).value;
@@ -32,32 +33,15 @@ struct CornerLists {
   }
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
-template <auto kLoop>
-void corners_on_baseline(const CornerLists& at) noexcept {
-  kLoop(at);
-}
-#if defined(__x86_64__)
-template <auto kLoop>
-[[gnu::target("avx2,fma")]] void corners_on_avx2(const CornerLists& at) noexcept {
-  kLoop(at);
-}
-template <auto kLoop>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void corners_on_avx512(const CornerLists& at) noexcept {
-  kLoop(at);
-}
-#endif
-
 struct LatticeKernels {
   void (*corners)(const CornerLists&) noexcept;
   void (*values)(const CornerLists&) noexcept;
   static const LatticeKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const LatticeKernels LatticeKernels::baseline{corners_on_baseline<fill_corners>,
-                                              corners_on_baseline<fill_values>};
+const LatticeKernels LatticeKernels::baseline{on_baseline<fill_corners>, on_baseline<fill_corner_values>};
 #if defined(__x86_64__)
-const LatticeKernels LatticeKernels::avx2{corners_on_avx2<fill_corners>, corners_on_avx2<fill_values>};
-const LatticeKernels LatticeKernels::avx512{corners_on_avx512<fill_corners>, corners_on_avx512<fill_values>};
+const LatticeKernels LatticeKernels::avx2{on_avx2<fill_corners>, on_avx2<fill_corner_values>};
+const LatticeKernels LatticeKernels::avx512{on_avx512<fill_corners>, on_avx512<fill_corner_values>};
 #endif
 
 }  // namespace

@@ -53,7 +53,7 @@ Eigen::VectorXd fitted(const Eigen::VectorXd& waves, const Eigen::MatrixXd& term
   }
 }
 
-// As in dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct LayerKernels {
   void (*add)(const LayerImage&, const double*, double*, std::size_t) noexcept;
   static const LayerKernels baseline, avx2, avx512;  // chosen by best_kernels

@@ -210,7 +210,7 @@ struct Line {
     to.rows[i] += of.weight * line_of(q, to.u[i], to.v[i] + of.v, of.side).mean;
 }
 
-// As in dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 template <auto kLoop>
 void sensed_on_baseline(const DomePoint& of, const Points& to) noexcept {
   kLoop(of, to);

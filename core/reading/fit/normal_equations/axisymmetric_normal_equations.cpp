@@ -159,7 +159,7 @@ struct Polar {
   sums.total(products);
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct AxisymmetricKernels {
   void (*sum)(const Summing&, ChannelProducts&) noexcept;
   static const AxisymmetricKernels baseline, avx2, avx512;  // chosen by best_kernels

@@ -42,7 +42,7 @@ using Sheet = contact::SubsurfaceSheet;
   }
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct ColumnKernels {
   void (*fill)(const DesignColumn&, std::size_t, double*) noexcept;
   void (*multiply)(std::span<const double* const>, std::size_t, double*) noexcept;

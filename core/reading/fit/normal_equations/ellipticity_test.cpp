@@ -77,7 +77,7 @@ struct Channels {
   out = {along2, both, across2, along, across};
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct EllipticityKernels {
   void (*score)(const Scoring&, Score&) noexcept;
   static const EllipticityKernels baseline, avx2, avx512;  // chosen by best_kernels

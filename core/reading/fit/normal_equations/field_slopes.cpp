@@ -126,7 +126,7 @@ template <bool kElliptic, bool kSymmetric, bool kGrowsBoth = false>
   }
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct FieldKernels {
   using Kernel = void (*)(const FieldSlopes&, int, ChannelProducts&) noexcept;
   Kernel linearised;

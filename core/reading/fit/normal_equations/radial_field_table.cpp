@@ -105,7 +105,7 @@ struct Filling {
   }
 }
 
-// As in core/contact/subsurface/dome_averages.cpp.
+// As in core/simd/inlined_loops.hpp.
 struct TableKernels {
   using Kernel = void (*)(const Filling&) noexcept;
   Kernel outer, inner;
