@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -146,7 +147,7 @@ GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, st
   if (!friction || !(*friction > 0) || !(target_margin < 1)) return {};
   const double per_shear = 1 / (*friction * (1 - target_margin));
   const double of_friction = shear_n * per_shear * friction_sigma.value_or(0) / *friction;
-  return {std::max(0.0, shear_n * per_shear - normal_n), std::hypot(of_friction, shear_sigma_n * per_shear)};
+  return {std::max(0.0, shear_n * per_shear - normal_n), norm(of_friction, shear_sigma_n * per_shear)};
 }
 
 void advise(Estimate& out, double pull_sigma_n, double target_margin) noexcept {

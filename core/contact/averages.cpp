@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd::contact {
 namespace {
 
@@ -58,7 +60,7 @@ double disc_average_exact(double radius, double u, double v, double side) noexce
 
 double disc_average(double radius, double u, double v, double side) noexcept {
   const double reach = side * (std::numbers::sqrt2 / 2);
-  const double r = std::hypot(u, v);
+  const double r = norm(u, v);
   if (r - reach >= radius) return 0;
   const double inside = radius - r;
   if (inside > 12 * side) return quadrature(kGauss2, radius, u, v, side);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/contact/averages.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {
@@ -170,10 +171,10 @@ void LimitSurface::add(double x_m, double y_m, double normal_n) noexcept {
 
 LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n,
                                            double torque_nm) const noexcept {
-  const double shear_n = std::hypot(shear_x_n, shear_y_n);
+  const double shear_n = norm(shear_x_n, shear_y_n);
   if (!(normal_n_ > 0) || !(squares_n_m2_ > 0)) return {};
   const double unit_m = kMeanOverRms * std::sqrt(squares_n_m2_ / normal_n_);
-  const double turn_n = torque_nm / unit_m, load_n = std::hypot(shear_n, turn_n);
+  const double turn_n = torque_nm / unit_m, load_n = norm(shear_n, turn_n);
   if (!(load_n > 0)) return {};
   const double pull_x = shear_n > 0 ? shear_x_n / shear_n : 1, pull_y = shear_n > 0 ? shear_y_n / shear_n : 0;
   const Cells cells{.x = x_m_.data(),

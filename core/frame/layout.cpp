@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -15,7 +17,7 @@ double median_nearest_distance(const std::vector<double>& x, const std::vector<d
   std::vector<double> nearest(x.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (std::size_t j = i + 1; j < x.size(); ++j) {
-      const double d = std::hypot(x[i] - x[j], y[i] - y[j]);
+      const double d = norm(x[i] - x[j], y[i] - y[j]);
       if (d == 0) {
         throw std::invalid_argument("taxels " + std::to_string(i) + " and " + std::to_string(j) +
                                     " are in the same place");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/numeric/norm.hpp"
 #include "core/reading/moments/moments.hpp"
 
 namespace slipd {
@@ -63,7 +64,8 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
 void FrictionByShape::follow(const ContactPatch& patch) noexcept {
   // Under a torque the axis rested.
   if (forces_.aim(patch) && !grasp_.turning) lose_history(HistoryEvent::shear_turned);
-  if (forces_.follow(patch)) foundations_.follow(forces_.normal_n(), forces_.shear_n());
+  forces_.follow(patch);
+  foundations_.follow(forces_.normal_n(), forces_.shear_n());
   if (grasp_.turning) {  // what a torque left in the contact is not known; friction is
     history_.lose(HistoryEvent::shear_turned);
     grasp_.margin_offset = {};
@@ -96,8 +98,8 @@ bool FrictionByShape::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid().likeliest();
   const double limit_n = grid().friction(j) * normal_n;
   const HistoryOffset offset = offset_of(j, load, normal_n);
-  grasp_.margin_offset = {offset.margin, std::hypot(options_.offset_sigma_share * offset.margin,
-                                                    grasp_.other_history ? offset.unresolved : 0)};
+  grasp_.margin_offset = {offset.margin, norm(options_.offset_sigma_share * offset.margin,
+                                              grasp_.other_history ? offset.unresolved : 0)};
   return std::fabs(offset.beyond_n) <
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
@@ -136,8 +138,7 @@ bool FrictionByShape::weigh_torque(const Reading& reading) noexcept {
     least = std::min(least, square(residuals[j]) / variance);
   }
   const bool explained = explain(least, false);
-  posterior_.weigh(Evidence::torque, residuals,
-                   std::hypot(common, std::sqrt(variance_of_step(grid().step()))),
+  posterior_.weigh(Evidence::torque, residuals, norm(common, std::sqrt(variance_of_step(grid().step()))),
                    std::sqrt(square(all) - square(common)));
   return explained;
 }
@@ -177,9 +178,9 @@ bool FrictionByShape::compare_moments(const ContactPatch& patch, const Reading& 
   const double sign = forces_.axis().cosine(patch);
   // The model's error is the same in every frame.
   const double most_n = std::max(std::fabs(seen.slip_moment_n), std::fabs(seen.second_legendre_n));
-  const double model_n = std::hypot(options_.uneven_share * patch.shear_n, options_.locked_in_share * most_n);
-  const contact::ShearMoments common{std::hypot(locked_in.slip_moment_n, model_n),
-                                     std::hypot(locked_in.second_legendre_n, model_n)};
+  const double model_n = norm(options_.uneven_share * patch.shear_n, options_.locked_in_share * most_n);
+  const contact::ShearMoments common{norm(locked_in.slip_moment_n, model_n),
+                                     norm(locked_in.second_legendre_n, model_n)};
   const contact::ShearMoments noise{
       std::sqrt(std::max(0.0, square(all.slip_moment_n) - square(own.slip_moment_n))),
       std::sqrt(std::max(0.0, square(all.second_legendre_n) - square(own.second_legendre_n)))};

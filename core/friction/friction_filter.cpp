@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -46,15 +47,15 @@ double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   const double seconds =
       last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
   const double friction = likeliest();
-  const double moved = std::hypot((patch.normal_n - normal_n_) / patch.normal_n,
-                                  (patch.shear_n - shear_n_) / (friction * patch.normal_n));
+  const double moved = norm((patch.normal_n - normal_n_) / patch.normal_n,
+                            (patch.shear_n - shear_n_) / (friction * patch.normal_n));
   posterior_.decorrelate(moved);
   posterior_.begin(seconds);
   const bool torque = frame.reading != nullptr && frame.reading->under_torque;
   const double ratio = patch.shear_n / patch.normal_n;
-  const MeanSigma load{ratio, std::hypot(patch.shear_sigma_n, ratio * patch.normal_sigma_n) / patch.normal_n};
+  const MeanSigma load{ratio, norm(patch.shear_sigma_n, ratio * patch.normal_sigma_n) / patch.normal_n};
   if (normal_n_ > 0 && !torque && !torque_) {
-    const double drop = shear_n_ / normal_n_ - load.mean, sigma = std::hypot(load.sigma, load_sigma_);
+    const double drop = shear_n_ / normal_n_ - load.mean, sigma = norm(load.sigma, load_sigma_);
     if (drop > 0) weigh_drop(load, {drop / friction, sigma / friction}, seconds);
   }
   load_sigma_ = load.sigma;
@@ -89,7 +90,7 @@ void FrictionFilter::weigh_drop(const MeanSigma& load, const MeanSigma& drop, do
 void FrictionFilter::weigh_margin(std::span<const double> residuals, const Reading& reading,
                                   double offset_sigma, double utilisation) noexcept {
   const double between = std::sqrt(variance_of_step(grid().step() * utilisation));
-  const double common = std::hypot(std::hypot(reading.common_sigma, offset_sigma), between);
+  const double common = norm(norm(reading.common_sigma, offset_sigma), between);
   const double noise = std::sqrt(std::max(0.0, square(reading.sigma) - square(reading.common_sigma)));
   posterior_.weigh(Evidence::margin, residuals, common, noise);
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 FrictionGrid::FrictionGrid(const FrictionPrior& prior, std::size_t count, const FrictionGridOptions& options)
     : options_(options),
@@ -17,8 +19,16 @@ FrictionGrid::FrictionGrid(const FrictionPrior& prior, std::size_t count, const 
     prior_[j] = std::exp(-std::min(prior.nats_against(friction_[j]), kMostAgainst));
     sum += prior_[j];
   }
-  for (std::size_t j = 0; j < count_; ++j) prior_[j] /= sum;
+  for (std::size_t j = 0; j < count_; ++j) {
+    prior_[j] /= sum;
+    inverse_[j] = 1 / friction_[j];
+  }
   reset();
+}
+
+void FrictionGrid::reset() noexcept {
+  weight_ = prior_;
+  conclude();
 }
 
 void FrictionGrid::assign(std::span<const double> weights) noexcept {
@@ -28,12 +38,15 @@ void FrictionGrid::assign(std::span<const double> weights) noexcept {
     reset();
     return;
   }
-  std::transform(these.begin(), these.end(), weight_.begin(), [sum](double weight) { return weight / sum; });
+  std::transform(these.begin(), these.end(), weight_.begin(),
+                 [per = 1 / sum](double weight) { return weight * per; });
+  conclude();
 }
 
-std::size_t FrictionGrid::likeliest() const noexcept {
+void FrictionGrid::conclude() noexcept {
   const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
-  return static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin());
+  likeliest_ = static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin());
+  quantiles_ = quantiles();
 }
 
 // Median, and half of what lies between the quantiles of one standard deviation: a change of friction that
@@ -60,29 +73,28 @@ FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
 }
 
 MeanSigma FrictionGrid::friction() const noexcept {
-  const Quantiles mu = quantiles();
-  return {mu.middle, std::hypot(0.5 * (mu.high - mu.low), options_.sigma_floor * mu.middle)};
+  const Quantiles& mu = quantiles_;
+  return {mu.middle, norm(0.5 * (mu.high - mu.low), options_.sigma_floor * mu.middle)};
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {
-  const Quantiles mu = quantiles();
-  return {1 / mu.middle, std::hypot(0.5 * (1 / mu.low - 1 / mu.high), options_.sigma_floor / mu.middle)};
+  const Quantiles& mu = quantiles_;
+  return {1 / mu.middle, norm(0.5 * (1 / mu.low - 1 / mu.high), options_.sigma_floor / mu.middle)};
 }
 
 // Sigma counts all that friction may be.
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
-  load_sigma = std::hypot(load_sigma, options_.load_floor);
-  const double middle = quantiles().middle;
-  const auto at = [load](double friction) { return std::clamp(1 - load / friction, 0.0, 1.0); };
-  const double margin = at(middle);
-  PosteriorSums off;
+  load_sigma = norm(load_sigma, options_.load_floor);
+  const double middle = quantiles_.middle;
+  const double margin = std::clamp(1 - load / middle, 0.0, 1.0);
+  double variance = 0;
+#pragma omp simd reduction(+ : variance)
   for (std::size_t j = 0; j < count_; ++j) {
-    const double by = at(friction_[j]) - margin;
-    off.add(weight_[j], by * by);
+    const double by = std::min(1.0, std::max(0.0, 1 - load * inverse_[j])) - margin;
+    variance += weight_[j] * by * by;
   }
-  const double floor = std::hypot(options_.sigma_floor, std::sqrt(variance_of_step(step_)));
-  return {margin,
-          std::sqrt(off.mean() + std::pow(floor * (1 - margin), 2) + std::pow(load_sigma / middle, 2))};
+  const double floor = norm(options_.sigma_floor, std::sqrt(variance_of_step(step_)));
+  return {margin, std::sqrt(variance + std::pow(floor * (1 - margin), 2) + std::pow(load_sigma / middle, 2))};
 }
 
 }  // namespace slipd

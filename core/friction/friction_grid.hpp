@@ -34,7 +34,7 @@ class FrictionGrid {
   FrictionGrid(const FrictionPrior& prior, std::size_t count, const FrictionGridOptions& options = {});
 
   // Back to the prior.
-  void reset() noexcept { weight_ = prior_; }
+  void reset() noexcept;
   // New weights, >= 0, of which only the ratios count. Without any above 0: back to the prior.
   void assign(std::span<const double> weights) noexcept;
 
@@ -44,7 +44,7 @@ class FrictionGrid {
   // Of point j; all of them together are 1.
   double weight(std::size_t j) const noexcept { return weight_[j]; }
   double prior(std::size_t j) const noexcept { return prior_[j]; }
-  std::size_t likeliest() const noexcept;
+  std::size_t likeliest() const noexcept { return likeliest_; }
 
   // mu, with its floor of sigma.
   MeanSigma friction() const noexcept;
@@ -63,13 +63,17 @@ class FrictionGrid {
     double low = 0, middle = 0, high = 0;  // mu
   };
   Quantiles quantiles() const noexcept;
+  void conclude() noexcept;
 
   using PerFriction = std::array<double, kMost>;
 
   const FrictionGridOptions options_;
   const std::size_t count_;
   const double step_;
-  PerFriction friction_{}, prior_{}, weight_{};
+  PerFriction friction_{}, inverse_{}, prior_{}, weight_{};
+  // Of these weights.
+  std::size_t likeliest_ = 0;
+  Quantiles quantiles_;
 };
 
 }  // namespace slipd

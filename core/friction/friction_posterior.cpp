@@ -3,25 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
+
+double square(double x) noexcept {
+  return x * x;
+}
 
 // Student's t with five degrees of freedom (Lange, Little and Taylor 1989 use four): a frame ten standard
 // deviations away counts as much as one that is four away does under a Gaussian.
 constexpr double kDegrees = 5;
-double likelihood(double squared) noexcept {
-  const double inverse = 1 / (1 + squared / kDegrees);
-  return inverse * inverse * inverse;
+struct OfResidual {
+  double likelihood;
+  double weight;  // what such a frame counts for in a mean: 1 without a residual
+};
+OfResidual of_residual(double squared) noexcept {
+  const double per = 1 / (kDegrees + squared), tail = kDegrees * per;
+  return {tail * tail * tail, squared > 1 ? (kDegrees + 1) * per : 1};
 }
 
 // Of the mean of what frames have in common, frame by frame; 0.02 … 0.5. Too small: after a change of load
 // few frames count for too much or too little. Too large: frames whose noise shows less friction weigh more.
 constexpr double kUsualGain = 0.2;
 
-// What such a frame counts for in a mean: 1 without a residual.
-double weight_of(double squared) noexcept {
-  return (kDegrees + 1) / (kDegrees + std::max(1.0, squared));
-}
+// Nats beyond which nothing is left of a weight.
+constexpr double kNothingLeft = 40;
 
 }  // namespace
 
@@ -58,16 +66,18 @@ void FrictionPosterior::may_have_fallen_to(const MeanSigma& load, double probabi
   if (!(load.mean > 0)) return;
   const double step = grid_.step();
   const double at = std::log(load.mean / grid_.friction(0)) / step;
-  const double width = std::hypot(load.sigma / (load.mean * step), 0.5);  // a point stands for what is near
-  PerFriction near;
+  const double width = norm(load.sigma / (load.mean * step), 0.5);  // a point stands for what is near
+  PerFriction near{};
   double sum = 0;
   for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double off = (static_cast<double>(j) - at) / width;
-    near[j] = std::exp(-0.5 * off * off);
+    const double off = (static_cast<double>(j) - at) / width, nats = 0.5 * off * off;
+    if (nats > kNothingLeft) continue;
+    near[j] = std::exp(-nats);
     sum += near[j];
   }
   if (!(sum > 0)) return;
-  change(probability, [&](std::size_t j) { return near[j] / sum * grid_.prior(j) / most_prior_; });
+  const double per = 1 / (sum * most_prior_);
+  change(probability, [&](std::size_t j) { return near[j] * grid_.prior(j) * per; });
 }
 
 // to: how likely each friction is, if it has changed.
@@ -84,7 +94,7 @@ void FrictionPosterior::bound_below(const MeanSigma& held) noexcept {
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double over = (held.mean - to_edge * grid_.friction(j)) / held.sigma;
     if (!(over > 0)) continue;
-    const double nats = 0.5 * over * over;
+    const double nats = std::min(kNothingLeft, 0.5 * over * over);
     changed_[j] *= std::exp(-nats);
     if (!(nats > held_[j])) continue;
     same_[j] *= std::exp(held_[j] - nats);
@@ -103,23 +113,23 @@ void FrictionPosterior::take(Evidence by, std::span<const double> residual, doub
   common = usual;
   noise = std::max(noise, options_.least_noise_share * common);
   const double open = error.variance * common * common, all = open + noise * noise;
-  const double gain = common > 0 ? open / (all * common) : 0;
-  const std::size_t likeliest = grid_.likeliest();
-  const double before = common * error.mean[likeliest];
-  double weight = 1;
-  for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double off = residual[j] - common * error.mean[j], off_if_changed = residual[j] - before;
-    const double squared = off * off / all, squared_if_changed = off_if_changed * off_if_changed / all;
-    if (j == likeliest) weight = weight_of(squared);
-    if constexpr (kWeighed) {
-      if (j == likeliest) surprise_ = std::max(surprise_, squared);
-      same_[j] *= likelihood(squared);
-      changed_[j] *= likelihood(squared_if_changed);
-    }
-    error.if_changed[j] = error.mean[likeliest] + gain * weight_of(squared_if_changed) * off_if_changed;
-    error.mean[j] += gain * weight_of(squared) * off;
+  const double gain = common > 0 ? open / (all * common) : 0, per_variance = 1 / all;
+  const std::size_t likeliest = grid_.likeliest(), count = grid_.count();
+  const double of_likeliest = error.mean[likeliest], before = common * of_likeliest;
+  const double surprise = square(residual[likeliest] - before) * per_variance;
+  const auto take = [&](double& weight, double residual_now, double mean) {
+    const double off = residual_now - common * mean;
+    const OfResidual of = of_residual(off * off * per_variance);
+    if constexpr (kWeighed) weight *= of.likelihood;
+    return mean + gain * of.weight * off;
+  };
+#pragma omp simd
+  for (std::size_t j = 0; j < count; ++j) {
+    error.if_changed[j] = take(changed_[j], residual[j], of_likeliest);
+    error.mean[j] = take(same_[j], residual[j], error.mean[j]);
   }
-  error.variance *= 1 - weight * open / all;
+  if constexpr (kWeighed) surprise_ = std::max(surprise_, surprise);
+  error.variance *= 1 - of_residual(surprise).weight * open * per_variance;
   error.weighed = true;
 }
 
@@ -154,6 +164,7 @@ bool FrictionPosterior::conclude() noexcept {
 void FrictionPosterior::decorrelate(double moved) noexcept {
   const double kept = std::exp(-moved / options_.decorrelating_share);
   for (CommonError& error : errors_) {
+    if (!(error.usual > 0)) continue;
     error.variance = 1 - kept * kept * (1 - error.variance);
     for (std::size_t j = 0; j < grid_.count(); ++j) error.mean[j] *= kept;
   }

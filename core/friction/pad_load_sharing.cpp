@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -95,7 +96,7 @@ PadLoadSharing::Pull PadLoadSharing::read_pull(const Frame& frame, double noise_
     pull.x_n += pull_x_n_[i];
     pull.y_n += pull_y_n_[i];
   }
-  pull.size_n = std::hypot(pull.x_n, pull.y_n);
+  pull.size_n = norm(pull.x_n, pull.y_n);
   return pull;
 }
 
@@ -163,7 +164,7 @@ PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) con
     squares += square(n * (pulled_[i] - usual[i] / sum));
     uneven += square(n * pressed_[i] - 1);
   }
-  const double begun_n = std::hypot(state_.begun_x_n, state_.begun_y_n) + kNoForce;
+  const double begun_n = norm(state_.begun_x_n, state_.begun_y_n) + kNoForce;
   const double turned = (state_.begun_x_n * pull.y_n - state_.begun_y_n * pull.x_n) / (begun_n * pull.size_n);
   const double by_noise = noise * square(prior / (prior + noise)) + noise_now;
   return {.gone = std::max(0.0, squares / n - by_noise),

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -101,7 +102,7 @@ void PillarBeds::sense(const ContactPatch& patch) noexcept {
     goal_[1] += sheared_[i].y;
     goal_[2] += place_[i].x * sheared_[i].y - place_[i].y * sheared_[i].x;
   }
-  carried_n_ = std::hypot(goal_[0], goal_[1]);
+  carried_n_ = norm(goal_[0], goal_[1]);
 }
 
 // What a pillar that holds `limit` >= 0 carries of a load.

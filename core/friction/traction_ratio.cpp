@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -63,7 +64,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   // sqrt(pi/2) sigma without shear (Rice 1944).
   const double rectified =
       std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
-  return {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
+  return {level, norm(std::sqrt(level_gain), norm(lag, rectified)) * sigma};
 }
 
 MeanSigma TractionRatioFilter::held() const noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -37,7 +38,7 @@ void UsualValue::learn(double value, double memory_frames) noexcept {
 
 // Hertz: the radius goes with the cube root of the force.
 double Continuity::by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept {
-  const double moved_m = std::hypot(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
+  const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
   if (moved_m > options.growth_moved_share * std::min(patch.radius_m, last_radius_m_)) return 0;
   const double less_n = std::min(patch.normal_n, last_normal_n_);
   const double more_n = std::max(patch.normal_n, last_normal_n_);
@@ -65,9 +66,9 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
   const double x_n = patch.shear_x_n, y_n = patch.shear_y_n;
   const double turn_rad = std::fabs(std::atan2(last_shear_x_n_ * y_n - last_shear_y_n_ * x_n,
                                                last_shear_x_n_ * x_n + last_shear_y_n_ * y_n));
-  const double step_n = std::hypot(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
-  const double by_noise = patch.shear_sigma_n / patch.shear_n +
-                          last_shear_sigma_n_ / std::hypot(last_shear_x_n_, last_shear_y_n_);
+  const double step_n = norm(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
+  const double by_noise =
+      patch.shear_sigma_n / patch.shear_n + last_shear_sigma_n_ / norm(last_shear_x_n_, last_shear_y_n_);
   const bool known = turn_.frames >= options.learning_frames;
   const bool jumped =
       known && turn_rad > options.least_turn_rad && step_n > options.least_turn_share * patch.normal_n &&

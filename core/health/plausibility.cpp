@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -150,7 +152,7 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
     fallen_from_n_ = last_normal_n_;
   }
   const bool clear = patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
-  const double moved_m = std::hypot(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
+  const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
   const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
   if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
     blame(Verdict::frame_refused, Health::jump);

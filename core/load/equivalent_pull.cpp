@@ -5,6 +5,7 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 
@@ -30,8 +31,7 @@ EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, TorqueEffect 
   const contact::LeastFriction least = least_friction(patch);
   if (!is_clear) {
     // Noise may be all of the torque, and the torque may be all that the object carries.
-    out.pull_sigma_n =
-        std::hypot(out.pull_sigma_n, std::max(0.0, least.ratio * patch.normal_n - patch.shear_n));
+    out.pull_sigma_n = norm(out.pull_sigma_n, std::max(0.0, least.ratio * patch.normal_n - patch.shear_n));
     return out;
   }
   out.torque_effect = changes_shear(patch, previous == TorqueEffect::changes_shear)
@@ -39,10 +39,10 @@ EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, TorqueEffect 
                           : TorqueEffect::light;
   // Never less than the pull alone, which rounding and noisy cells could make of a light torque.
   out.pull_n = std::max(patch.shear_n, least.ratio * patch.normal_n);
-  const double by_noise_n = patch.normal_n * std::hypot(least.per_shear_n * patch.shear_sigma_n,
-                                                        least.per_torque_nm * patch.torque_sigma_nm);
+  const double by_noise_n = patch.normal_n * norm(least.per_shear_n * patch.shear_sigma_n,
+                                                  least.per_torque_nm * patch.torque_sigma_nm);
   const double side = coarse(patch);
-  out.pull_sigma_n = std::hypot(
+  out.pull_sigma_n = norm(
       by_noise_n, options_.coarse_sigma_share * std::min(1.0, side * side) * (out.pull_n - patch.shear_n));
   out.along_per_n = least.per_shear_n;
   out.spin_per_nm = std::copysign(least.per_torque_nm, patch.torque_nm);

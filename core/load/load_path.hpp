@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/numeric/norm.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -28,7 +29,7 @@ struct LoadStep {
   // How far the shear moved since then, N; all of it in the first frame.
   double shear_moved_n() const noexcept {
     const ContactForces from = previous.value_or(ContactForces{});
-    return std::hypot(now.shear_x_n - from.shear_x_n, now.shear_y_n - from.shear_y_n);
+    return norm(now.shear_x_n - from.shear_x_n, now.shear_y_n - from.shear_y_n);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -37,11 +38,11 @@ void TorquePath::follow_load(const ContactPatch& patch, const EquivalentPullResu
                              TorquePathState& out) noexcept {
   const double lever_m = kTurnLever * patch.radius_m;
   const auto over_lever = [lever_m](double shear_n, double torque_nm) {
-    return lever_m > 0 ? std::hypot(shear_n, torque_nm / lever_m) : shear_n;
+    return lever_m > 0 ? norm(shear_n, torque_nm / lever_m) : shear_n;
   };
   const double load_n = over_lever(patch.shear_n, patch.torque_nm);
   const double noise_n =
-      kSigmas * std::hypot(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), pull.pull_sigma_n);
+      kSigmas * norm(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), pull.pull_sigma_n);
   const double most_n = over_lever(path_.most.shear_n, path_.most.torque_nm);
   if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n)
     follow_direction(patch, load_n, noise_n);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 
 void MarginDecision::propose(MeanSigma margin) noexcept {
@@ -15,7 +17,7 @@ void MarginDecision::refuse(State why) noexcept {
 }
 
 void MarginDecision::widen(double sigma) noexcept {
-  widened_ = std::hypot(widened_, sigma);
+  widened_ = norm(widened_, sigma);
 }
 
 void MarginDecision::leave_out(double share) noexcept {
@@ -29,7 +31,7 @@ void MarginDecision::slide(double slip_below) noexcept {
 }
 
 double MarginDecision::sigma() const noexcept {
-  return std::hypot(std::hypot(margin_->sigma, least_sigma_), widened_);
+  return norm(norm(margin_->sigma, least_sigma_), widened_);
 }
 
 bool MarginDecision::stands() const noexcept {

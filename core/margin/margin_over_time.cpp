@@ -8,6 +8,7 @@
 #include "core/friction/by_forces.hpp"
 #include "core/friction/by_pillars.hpp"
 #include "core/friction/by_shape.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -75,7 +76,7 @@ MarginOverTime::Now MarginOverTime::now_with(MeanSigma margin) noexcept {
   const MeanSigma load = filter_->traction_ratio(), friction = filter_->grid().friction();
   margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load.mean / bounds_.low),
                            std::max(0.0, 1 - load.mean / bounds_.high));
-  margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
+  margin.sigma = norm(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
   last_friction_ = friction.mean;
   return {load, friction, margin};
 }
@@ -120,13 +121,13 @@ MeanSigma MarginOverTime::by_itself(const Reading& reading, Estimate& out) const
 
 MeanSigma MarginOverTime::own_margin(const Reading& reading) const noexcept {
   const auto [offset, offset_sigma] = filter_->margin_offset();
-  return {std::clamp(reading.gamma + offset, 0.0, 1.0), std::hypot(reading.sigma, offset_sigma)};
+  return {std::clamp(reading.gamma + offset, 0.0, 1.0), norm(reading.sigma, offset_sigma)};
 }
 
 MeanSigma MarginOverTime::better_of(const MeanSigma& margin, const MeanSigma& own, const Reading& reading,
                                     Estimate& out) const noexcept {
   if (!reading.in_model || !is_monotonic(filter_->history())) return margin;
-  const double sigma = std::hypot(own.sigma, margin.sigma);
+  const double sigma = norm(own.sigma, margin.sigma);
   if (!(std::fabs(own.mean - margin.mean) < options_.agreement_sigmas * sigma)) return margin;
   out.method = reading.by;
   return own.sigma < margin.sigma ? own : margin;
@@ -191,7 +192,7 @@ MeanSigma LearntFrictionMargin::minus_one_sigma(const Now& now, const MeanSigma&
     const double most = kBelow * sigma_max_;
     if (margin.sigma < most) down = std::min(down, std::sqrt(most * most - margin.sigma * margin.sigma));
   }
-  return {std::max(0.0, margin.mean - down), std::hypot(margin.sigma, down)};
+  return {std::max(0.0, margin.mean - down), norm(margin.sigma, down)};
 }
 
 LearntByForces::LearntByForces(double sigma_max, const FrictionKnowledge& friction,
@@ -273,7 +274,7 @@ MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const
   if (reading->load_fallen) {
     const double held = std::max(now.load.mean, reading->friction);
     const double open = margin.mean - (held > 0 ? 1 - now.load.mean / held : 0);
-    margin.sigma = std::hypot(margin.sigma, options_.unseen_fall_share * std::max(0.0, open));
+    margin.sigma = norm(margin.sigma, options_.unseen_fall_share * std::max(0.0, open));
   }
   return margin;
 }

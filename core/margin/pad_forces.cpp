@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -48,7 +50,7 @@ PadForces::PadForces(const TaxelLayout& layout, const Skin& skin, const PadForce
   for (std::size_t i = 0; i < layout.size(); ++i)
     read += read_of_pull(read_of(layout.x_m()[i], layout.y_m()[i], 0)) / static_cast<double>(layout.size());
   read = std::clamp(read, options.least_read, 1.0);
-  ratio_sigma_ = std::hypot(options.shape_sigma, (1 - read) / read * skin.depth_sigma);
+  ratio_sigma_ = norm(options.shape_sigma, (1 - read) / read * skin.depth_sigma);
 }
 
 // Four points about the middle have the load's second moments.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -85,7 +87,7 @@ SurfaceLoad ForcesOfPad::of(const ContactPatch& patch, const ContactPatch& pull,
     out.normal_n = acting.normal_n = forces->normal_n;
     out.shear_x_n = acting.shear_x_n = forces->shear_x_n;
     out.shear_y_n = acting.shear_y_n = forces->shear_y_n;
-    out.shear_n = std::hypot(forces->shear_x_n, forces->shear_y_n);
+    out.shear_n = norm(forces->shear_x_n, forces->shear_y_n);
     // Of a torque's shear as much is missed as of a pull's.
     const double by_torque_n = std::max(0.0, pull.shear_n - patch.shear_n) / forces->read;
     acting.shear_n = *out.shear_n + by_torque_n;

@@ -5,6 +5,7 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -63,7 +64,7 @@ PulledForces FewTaxelsGate::forces_on(const Frame& frame) const noexcept {
     x += static_cast<double>(frame.shear_x_pa[i]);
     y += static_cast<double>(frame.shear_y_pa[i]);
   }
-  return {p * area_m2_, std::hypot(x, y) * area_m2_};
+  return {p * area_m2_, norm(x, y) * area_m2_};
 }
 
 std::unique_ptr<ContactGate> make_contact_gate(const TaxelLayout& layout, SensorClass sensor_class,

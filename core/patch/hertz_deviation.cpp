@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -49,9 +50,8 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
                s2 = sums.pss / sums.p - 2.0 / 3 * side2 * s - kSquareFourth * square(side2);
   if (!(s > 0)) return out;
   const double noise = patch.noise_normal_pa / sums.p;
-  const double ellipticity = std::hypot(sums.px2y2, 2 * sums.pxy) / (sums.p * s);
-  const double ellipticity_sigma =
-      std::hypot(noise * std::sqrt(0.5 * sums.s2) / s, options.rim_ellipticity * rim);
+  const double ellipticity = norm(sums.px2y2, 2 * sums.pxy) / (sums.p * s);
+  const double ellipticity_sigma = norm(noise * std::sqrt(0.5 * sums.s2) / s, options.rim_ellipticity * rim);
   if (ellipticity > kClearSigmas * ellipticity_sigma) {
     out.ellipticity = ellipticity;
     out.long_axis_rad = 0.5 * std::atan2(2 * sums.pxy, sums.px2y2);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -127,7 +128,7 @@ std::size_t PatchFinder::refine() noexcept {
       patch_.in_contact = patch_.finite = false;
       return 0;
     }
-    const double moved_m = std::max(std::hypot(dx, dy), std::fabs(radius_m - patch_.radius_m));
+    const double moved_m = std::max(norm(dx, dy), std::fabs(radius_m - patch_.radius_m));
     patch_.center_x_m += dx;
     patch_.center_y_m += dy;
     patch_.radius_m = radius_m;
@@ -276,7 +277,7 @@ void PatchFinder::sum_forces() noexcept {
   patch_.peak_pa = sums.peak;
   patch_.shear_x_extreme_pa = sums.x_extreme;
   patch_.shear_y_extreme_pa = sums.y_extreme;
-  patch_.shear_n = std::hypot(patch_.shear_x_n, patch_.shear_y_n);
+  patch_.shear_n = norm(patch_.shear_x_n, patch_.shear_y_n);
   patch_.finite = std::isfinite(patch_.shear_n) && std::isfinite(patch_.normal_n);
   if (patch_.shear_n > 0) {
     patch_.direction_x = patch_.shear_x_n / patch_.shear_n;
@@ -292,10 +293,10 @@ void PatchFinder::measure_torque() noexcept {
   const double place_m = patch_.normal_n > 0 ? patch_.noise_normal_pa * area * levers_m *
                                                    std::numbers::sqrt2 / 2 / patch_.normal_n
                                              : 0;
-  patch_.torque_sigma_nm = std::hypot(patch_.noise_shear_pa * area * levers_m, place_m * patch_.shear_n);
+  patch_.torque_sigma_nm = norm(patch_.noise_shear_pa * area * levers_m, place_m * patch_.shear_n);
   if (patch_.cut)
     patch_.torque_sigma_nm =
-        std::hypot(patch_.torque_sigma_nm, options_.cut_torque_share * patch_.shear_n * patch_.radius_m);
+        norm(patch_.torque_sigma_nm, options_.cut_torque_share * patch_.shear_n * patch_.radius_m);
 }
 
 // Noise that taxels share does not average out over the disc.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -41,8 +42,7 @@ double disc_share(double k, double s0, double s1) noexcept {
 double monotonic_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout,
                         double gamma, double friction) noexcept {
   const double k = std::max(1e-9, std::cbrt(gamma));
-  const double noise_n =
-      std::hypot(patch.noise_shear_pa, friction * patch.noise_normal_pa) * layout.area_m2();
+  const double noise_n = norm(patch.noise_shear_pa, friction * patch.noise_normal_pa) * layout.area_m2();
   const double open = kModelTolerance + kTaxelTolerance * layout.side_m() / patch.radius_m;
   double sum = 0;
   int used = 0;
@@ -53,8 +53,7 @@ double monotonic_misfit(const Rings& rings, const ContactPatch& patch, const Tax
     // Expected as a ratio to the pressure that this very ring has, so that its taxels' number cancels.
     const double ratio = friction * (1 - gamma * disc_share(k, s0, s1) / whole);
     const double expected = ratio * rings.normal_n[j];
-    const double spread =
-        std::hypot(noise_n * std::sqrt(rings.taxels[j]), open * friction * rings.normal_n[j]);
+    const double spread = norm(noise_n * std::sqrt(rings.taxels[j]), open * friction * rings.normal_n[j]);
     if (!(spread > 0)) continue;
     const double off = (rings.shear_n[j] - expected) / spread;
     sum += off * off;

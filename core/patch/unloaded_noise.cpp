@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -66,7 +68,7 @@ void UnloadedNoise::update(const Frame& frame) noexcept {
 void UnloadedNoise::finish_block() noexcept {
   frames_ = 0;
   const bool unloaded = std::fabs(block_.normal_n) <= unloaded_n_ &&
-                        std::hypot(block_.shear_x_n, block_.shear_y_n) <= kShearOverNormal * unloaded_n_;
+                        norm(block_.shear_x_n, block_.shear_y_n) <= kShearOverNormal * unloaded_n_;
   if (has_waiting_ && unloaded) count(waiting_);
   waiting_ = block_;
   has_waiting_ = unloaded;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr std::size_t kLeastPoints = 3;
 }  // namespace
 
 double RigidMotion::along_mm() const noexcept {
-  return std::hypot(x_mm, y_mm);
+  return norm(x_mm, y_mm);
 }
 
 RigidMotion rigid_motion(const TaxelLayout& layout, std::span<const float> change_x_mm,

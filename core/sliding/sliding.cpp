@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -41,7 +43,7 @@ double trend_limit_of(double false_alarms_per_hour, double block_s, const Slidin
 // A tangential field's resultant, and its torque over a length, both as force.
 struct Resultant {
   double x = 0, y = 0, torque = 0;
-  double along() const noexcept { return std::hypot(x, y); }
+  double along() const noexcept { return norm(x, y); }
 };
 
 // The length of (x, y), whose components have noise of this standard deviation, without what noise adds.
@@ -157,7 +159,7 @@ SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
   if (!(normal > 0)) return {.all = 1, .along = 0};
   const std::size_t cells = blocks_.cells();
   const float* const now = blocks_.block(0);
-  const double scale = normal / settled_normal_, noise = blocks_.noise() * std::hypot(1, scale);
+  const double scale = normal / settled_normal_, noise = blocks_.noise() * norm(1, scale);
   Resultant change;
   double all = 0;
   for (std::size_t i = cells; i < 2 * cells; ++i) {
@@ -211,7 +213,7 @@ SlidingDetector::Change SlidingDetector::change_since(std::size_t ago) const noe
              static_cast<double>(then[channel * cells + i]) / normal_then;
     };
     change.pattern += std::fabs(difference(0)) / 2;
-    change.shear += std::hypot(difference(1), difference(2));
+    change.shear += norm(difference(1), difference(2));
   }
   return change;
 }
@@ -251,7 +253,7 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
     change.torque += rx * qy - ry * qx;
   }
   const double a_m = std::sqrt(square);
-  const double along = std::max(change.along(), a_m > 0 ? std::hypot(moved_x, moved_y) / a_m : 0);
+  const double along = std::max(change.along(), a_m > 0 ? norm(moved_x, moved_y) / a_m : 0);
   return a_m > 0 && std::fabs(change.torque) / a_m > along ? Sliding::rotation : Sliding::translation;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {
@@ -87,8 +88,8 @@ std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
   for (std::size_t m = 0; m < kOrders; ++m) {
     const double arms = kLeastArms + static_cast<double>(m);
     const double now = std::abs(newest_.moments[m]), then = std::abs(reference_.moments[m]);
-    const double now_sigma = std::hypot(newest_.noise[m], rim);
-    const double then_sigma = std::hypot(reference_.noise[m], rim);
+    const double now_sigma = norm(newest_.noise[m], rim);
+    const double then_sigma = norm(reference_.noise[m], rim);
     if (now < kStandsOutSigmas * now_sigma || then < kStandsOutSigmas * then_sigma) continue;
     const double turn = std::arg(newest_.moments[m] * std::conj(reference_.moments[m])) / arms;
     const double period = 2 * std::numbers::pi / arms;
@@ -149,7 +150,7 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   // How far the followed pattern lags behind one that turns evenly.
   const double lag = (1 - options_.newest_share) / options_.newest_share * (now->angle_rad - angle_rad_);
   angle_rad_ = now->angle_rad;
-  now->sigma_rad = std::hypot(now->sigma_rad, lag);
+  now->sigma_rad = norm(now->sigma_rad, lag);
   known_ns_ = time_ns;
   const bool sharp = now->sigma_rad <= options_.max_sigma_rad;
   if (!pinned(time_ns, *now, slides_turning) && sharp) answer_ = now;

@@ -30,14 +30,14 @@ class WinklerFoundations {
 
   // The load goes straight to normal_n >= 0 and shear_n (signed); shear beyond mu P is not carried. Finite
   // numbers only. A normal force below a thousandth of the largest one since clear() is sensed by too few
-  // springs to mean anything.
+  // springs to mean anything. Costs nothing where neither the load nor a bed has changed.
   void follow(double normal_n, double shear_n) noexcept;
 
   // Forgets the past: shear rose from nothing to shear_n under a normal force that did not change.
   void assume_monotonic(double normal_n, double shear_n) noexcept;
 
   // The beds for which `chosen` is true go on from the contact of bed `from`, as far as their friction holds
-  // it under the same load.
+  // it: with the next follow(), which they have to settle in anyway.
   template <typename Chosen>
   void take_over(std::size_t from, Chosen chosen) noexcept {
     PerBed<std::int32_t> which{};
@@ -45,7 +45,7 @@ class WinklerFoundations {
     take_over(from, which);
   }
 
-  double shear_n(std::size_t j) const noexcept { return shear_n_[j]; }
+  double shear_n(std::size_t j) const noexcept { return friction_[j] * carried_n_[j]; }
 
   // Of bed j, 0 … frictions - 1; computed when first asked for after a change. (A spring at x counts with 2
   // x^2 and 8/3 x^4.)
@@ -56,21 +56,31 @@ class WinklerFoundations {
   using PerBed = std::array<T, kMost>;
   using Rest = std::array<float, WinklerKernels::kSprings>;
 
+  // The normal load of each spring and of all of them.
+  struct Pressed {
+    Rest rest{};
+    float sum = 0;
+    std::size_t touching = 0;  // the first springs
+  };
+
   void reach(double radius) noexcept;
-  Rest rests(double edge) const noexcept;
+  Pressed pressed_by(double normal_n) const noexcept;
   void take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
-  void settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept;
+  void settle(const PerBed<std::int32_t>& which, double edge_before) noexcept;
   void sum_up() const noexcept;
 
   const WinklerKernels* kernels_;
   const std::size_t count_, vectors_;
-  PerBed<double> friction_;
-  PerBed<float> mu_;  // the same
-  double step_ = 0;   // between springs; spring i stands at (i + 1/2) step
+  PerBed<double> friction_, inverse_;
+  double step_ = 0;  // between springs; spring i stands at (i + 1/2) step
   double normal_n_ = 0;
   double asked_n_ = 0;  // the shear that all were asked to carry last
-  PerBed<double> shear_n_{};
+  Pressed pressed_;
+  // What beds and springs carry over the bed's friction: at most the normal force.
+  PerBed<double> carried_n_{};
   std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
+  PerBed<std::int32_t> taken_over_{};  // -1: with the next follow()
+  bool any_taken_over_ = false;
 
   struct Moments {
     PerBed<double> slip_n, legendre_n;

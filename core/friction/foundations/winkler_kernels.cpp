@@ -14,9 +14,7 @@ static_assert(kStep % kLanes == 0);
 // Bounds the time of a shift. Too small: beds near gross slip carry less than their goal. Too large: no
 // effect seen, as steps end at the tolerance. Checked by tests/core/friction/winkler_foundations_test.cpp.
 constexpr int kMaxSteps = 12;
-// Difference from the goal at which a shift is settled: relative, and in N; 1e-6 … 1e-3, above 0. Too small:
-// single precision never reaches it. Too large: beds drift from the load.
-constexpr float kTolerance = 1e-5F, kLeastTolerance = 1e-12F;
+static_assert(kSprings % 2 == 0);
 
 SLIPD_INLINE Floats lesser(const Floats& a, const Floats& b) noexcept {
   return b < a ? b : a;
@@ -24,10 +22,6 @@ SLIPD_INLINE Floats lesser(const Floats& a, const Floats& b) noexcept {
 
 SLIPD_INLINE Floats greater(const Floats& a, const Floats& b) noexcept {
   return a < b ? b : a;
-}
-
-SLIPD_INLINE Floats magnitude(const Floats& of) noexcept {
-  return of < 0 ? -of : of;
 }
 
 SLIPD_INLINE bool any(const Ints& mask) noexcept {
@@ -44,48 +38,74 @@ void stretch(float* loads, const float* grown, const float* slope, std::size_t v
   }
 }
 
+SLIPD_INLINE Floats within(const Floats& a, const Floats& most) noexcept {
+  return lesser(greater(a, -most), most);
+}
+
+void take_over(float* loads, const float* rest, std::size_t from, const float* ratio,
+               const std::int32_t* which, std::size_t vectors) noexcept {
+  for (std::size_t i = 0; i < kSprings; ++i) {
+    float* const row = loads + i * kBeds;
+    const float taken = row[from];
+    for (std::size_t bed = 0; bed < vectors * kStep; bed += kLanes) {
+      Ints chosen;
+      __builtin_memcpy(&chosen, which + bed, sizeof chosen);
+      store(row + bed, chosen ? within(load(ratio + bed) * taken, Floats{} + rest[i]) : load(row + bed));
+    }
+  }
+}
+
+// What springs of a bed carry after a shift, and how many of them stick. Two springs at a time, so that no
+// sum waits for the one before.
+struct Carried {
+  Floats sum, sticking;
+};
+SLIPD_INLINE Carried after_shift(const float* loads, const float* rest, std::size_t touching,
+                                 const Floats& shift) noexcept {
+  Floats sum[2] = {}, sticking[2] = {};
+  const Floats one = Floats{} + 1.0F;
+  for (std::size_t i = 0; i < touching; i += 2) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Floats most = Floats{} + rest[i + k], to = load(loads + (i + k) * kBeds) + shift;
+      sum[k] += within(to, most);
+      sticking[k] += where((to < most) & (to > -most), one);
+    }
+  }
+  return {sum[0] + sum[1], sticking[0] + sticking[1]};
+}
+
 // Newton's step where the sum over springs bends little, half an interval where it leads out of what is
 // known.
 SLIPD_INLINE Floats shift_of(const float* loads, const float* rest, std::size_t touching,
-                             const Floats& friction, const Floats& goal, Ints open) noexcept {
-  Floats low{}, high{}, shift{};
-  for (std::size_t i = 0; i < kSprings; ++i) {
-    const Floats now = load(loads + i * kBeds), most = friction * rest[i];
-    low = lesser(low, -most - now);
-    high = greater(high, most - now);
-  }
-  const Floats near = magnitude(goal) * kTolerance + kLeastTolerance;
+                             const Floats& carried, float near, float far, Ints open) noexcept {
+  Floats low = Floats{} - far, high = Floats{} + far, shift{};
   for (int n = 0; n < kMaxSteps; ++n) {
-    Floats sum{}, sticking{};
-    for (std::size_t i = 0; i < touching; ++i) {
-      const Floats t = load(loads + i * kBeds) + shift, most = friction * rest[i];
-      sum += lesser(greater(t, -most), most);
-      sticking += where(magnitude(t) < most, Floats{} + 1.0F);
-    }
-    const Floats off = sum - goal;
-    open &= ~(magnitude(off) < near);
+    const Carried now = after_shift(loads, rest, touching, shift);
+    const Floats off = now.sum - carried;
+    open &= ~((off < near) & (off > -near));
     if (!any(open)) break;
     low = off < 0 ? shift : low;
     high = off < 0 ? high : shift;
-    const Floats newton = sticking > 0 ? shift - off / sticking : low - 1.0F;
+    const Floats newton = now.sticking > 0 ? shift - off / now.sticking : low - 1.0F;
     const Floats next = ((newton > low) & (newton < high)) ? newton : 0.5F * (low + high);
     shift = open ? next : shift;
   }
   return shift;
 }
 
-void settle(float* loads, const float* rest, std::size_t touching, const float* friction, const float* goal,
+void settle(float* loads, const float* rest, std::size_t touching, const WinklerKernels::Goal& goal,
             const std::int32_t* which, std::size_t vectors) noexcept {
+  touching += touching % 2;
   for (std::size_t bed = 0; bed < vectors * kStep; bed += kLanes) {
     Ints chosen;
     __builtin_memcpy(&chosen, which + bed, sizeof chosen);
     if (!any(chosen)) continue;
-    const Floats mu = load(friction + bed);
-    const Floats shift = shift_of(loads + bed, rest, touching, mu, load(goal + bed), chosen);
+    const Floats shift =
+        shift_of(loads + bed, rest, touching, load(goal.carried + bed), goal.near, goal.far, chosen);
     for (std::size_t i = 0; i < kSprings; ++i) {
       float* const place = loads + i * kBeds + bed;
-      const Floats now = load(place), most = mu * rest[i];
-      store(place, chosen ? lesser(greater(now + shift, -most), most) : now);
+      const Floats now = load(place);
+      store(place, chosen ? within(now + shift, Floats{} + rest[i]) : now);
     }
   }
 }
@@ -106,7 +126,7 @@ void sums(const float* loads, float* q, float* q2, float* q4, std::size_t vector
   }
 }
 
-constexpr WinklerKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, stretch, settle, sums};
+constexpr WinklerKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, stretch, take_over, settle, sums};
 
 }  // namespace
 

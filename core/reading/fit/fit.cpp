@@ -10,6 +10,7 @@
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
@@ -292,10 +293,9 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& o
   out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
   const double utilisation = 1 - out.gamma;
   out.friction = at[load] / utilisation;
-  out.friction_sigma =
-      out.sigma < kKnownFrictionShare * utilisation
-          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(load_variance) / at[load])
-          : std::numeric_limits<double>::infinity();
+  out.friction_sigma = out.sigma < kKnownFrictionShare * utilisation
+                           ? out.friction * norm(out.sigma / utilisation, std::sqrt(load_variance) / at[load])
+                           : std::numeric_limits<double>::infinity();
   place(patch, at, out);
   return true;
 }
@@ -337,11 +337,10 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   const double uneven = misfit.by_noise > kMaxRingMisfit ? options_.uneven_sigma : 0;
   const double unlike =
       std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
-  const double model_sigma = std::hypot(uneven, unlike);
-  out.sigma = std::hypot(out.sigma, model_sigma);
+  const double model_sigma = norm(uneven, unlike);
+  out.sigma = norm(out.sigma, model_sigma);
   out.common_sigma = model_sigma;
-  out.friction_sigma =
-      std::hypot(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
+  out.friction_sigma = norm(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
 }
 
 }  // namespace slipd

@@ -11,6 +11,7 @@
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
@@ -80,7 +81,7 @@ SubsurfaceFit::Full SubsurfaceFit::stepped(const Full& from, const Vector& step)
   to[Model::size] = std::clamp(to[Model::size], from[Model::size] / fit_.max_radius_factor,
                                from[Model::size] * fit_.max_radius_factor);
   to[Model::depth] = std::clamp(to[Model::depth], -depth_.most(), depth_.most());
-  const double apart = std::hypot(to[Model::along], to[Model::across]);
+  const double apart = norm(to[Model::along], to[Model::across]);
   if (apart > options_.max_log_axes) {
     to[Model::along] *= options_.max_log_axes / apart;
     to[Model::across] *= options_.max_log_axes / apart;
@@ -171,7 +172,7 @@ bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcep
   out.friction = at[Model::load] / utilisation;
   out.friction_sigma =
       out.sigma < kKnownFrictionShare * utilisation && std::isfinite(load_variance)
-          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(load_variance) / at[Model::load])
+          ? out.friction * norm(out.sigma / utilisation, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
   place(at, out);
   if (depth_m_ > 0) return true;  // find_moments has the forces of any history
@@ -336,11 +337,10 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   if (out.sigma > fit_.open_sigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < kMaxRingMisfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
-  if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
-  out.common_sigma = std::hypot(out.common_sigma, layer_sigma(at));
-  out.sigma = std::hypot(out.sigma, out.common_sigma);
-  out.friction_sigma =
-      std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);
+  if (depth_.open()) out.common_sigma = norm(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
+  out.common_sigma = norm(out.common_sigma, layer_sigma(at));
+  out.sigma = norm(out.sigma, out.common_sigma);
+  out.friction_sigma = norm(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);
 }
 
 void FewTaxelsSubsurfaceFit::read(const ContactPatch& /*patch*/, const Minimum& minimum,

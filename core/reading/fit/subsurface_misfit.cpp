@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/numeric/norm.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 
 namespace slipd {
@@ -50,7 +51,7 @@ double SubsurfaceFit::ring_misfit(const Full& at, std::span<const double> held) 
   const auto left = model_.residuals(), u = model_.u(), v = model_.v();
   for (std::size_t i = 0; i < n; ++i) {
     const double along_a = (c * u[i] + s * v[i]) / ellipse.a_m, along_b = (c * v[i] - s * u[i]) / ellipse.b_m;
-    const auto which = static_cast<std::size_t>(std::hypot(along_a, along_b) * kRings);
+    const auto which = static_cast<std::size_t>(norm(along_a, along_b) * kRings);
     Ring& ring = rings[std::min(which, kRings - 1)];
     ring.off += noise.shear_pa * (pull_x * left[n + i] + pull_y * left[2 * n + i]);
     ring.held += limit_pa * held[i];

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 #include "core/reading/method/method.hpp"
 
@@ -115,7 +116,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   out.moments = {slip.dot(found), legendre.dot(found)};
   const double common_n = kFewTermsFloor * std::fabs(shear_n);
   const auto sigma_of = [&](const ColumnVector& of) { return std::sqrt(of.dot(solved.solve(of))); };
-  out.moments_sigma = {std::hypot(sigma_of(slip), common_n), std::hypot(sigma_of(legendre), 2 * common_n)};
+  out.moments_sigma = {norm(sigma_of(slip), common_n), norm(sigma_of(legendre), 2 * common_n)};
   out.moments_common_sigma = {common_n, 2 * common_n};
   out.normal_n = normal_n * (1 + 2 * grown + found[by_peak]);
   out.shear_n = shear_n;
@@ -132,7 +133,7 @@ bool SubsurfaceFit::looks_monotonic(const Reading& estimate) const noexcept {
   const double expected_n = slip_moment_n(estimate.gamma),
                open_n = 0.5 * (slip_moment_n(estimate.gamma - estimate.sigma) -
                                slip_moment_n(estimate.gamma + estimate.sigma));
-  return std::fabs(estimate.moments.slip_moment_n - expected_n) < kClearSigmas * std::hypot(sigma_n, open_n);
+  return std::fabs(estimate.moments.slip_moment_n - expected_n) < kClearSigmas * norm(sigma_n, open_n);
 }
 
 }  // namespace slipd

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/moments/grid_aliasing.hpp"
@@ -91,11 +92,11 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
     }
   }
   const double coarse = layout.side_m() / patch.radius_m;
-  const double rim = std::hypot(options.rim_error * coarse * coarse * coarse,
-                                ring_error(coarse, out.gamma, options)),
+  const double rim =
+                   norm(options.rim_error * coarse * coarse * coarse, ring_error(coarse, out.gamma, options)),
                grid = rim + options.moments_floor;
   out.common_sigma = (corrected ? options.corrected_share : 1) * rim + options.ratio_floor;
-  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, out.common_sigma);
+  out.sigma = norm(norm(from_q, out.value * from_p) / mean_p, out.common_sigma);
 
   // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the
   // second Legendre moment Q <6 u^2 - 6 u + 1>, and what noise and a wrong radius make of both.
@@ -108,10 +109,10 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   const double slip_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
   const double legendre_weights =
       36 * r8 / std::pow(a2, 4) - 72 * r6 / std::pow(a2, 3) + 48 * r4 / std::pow(a2, 2) - 12 * r2 / a2 + n;
-  out.moments_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slip_weights)),
-                                  shear_n * std::hypot(2.5 * u * radius, grid)),
-                       std::hypot(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
-                                  shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
+  out.moments_sigma = {
+      norm(taxel_n * std::sqrt(std::max(0.0, slip_weights)), shear_n * norm(2.5 * u * radius, grid)),
+      norm(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
+           shear_n * norm((12 * u2 - 6 * u) * radius, 2 * grid))};
   out.moments_common_sigma = {shear_n * grid, 2 * shear_n * grid};
   return out;
 }
@@ -135,14 +136,13 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   out.gamma = ratio.gamma;
   const double per_ratio = gamma_per_moment_ratio(std::cbrt(out.gamma)),
                deviation = ratio.deviation.sigma(options_.ratio.deviation);
-  out.sigma = std::hypot(per_ratio * ratio.sigma, deviation);
-  out.common_sigma = std::hypot(per_ratio * ratio.common_sigma, deviation);
+  out.sigma = norm(per_ratio * ratio.sigma, deviation);
+  out.common_sigma = norm(per_ratio * ratio.common_sigma, deviation);
   const double utilisation = std::max(kNoShear, 1 - out.gamma);
   out.friction = ratio.load / utilisation;
-  out.friction_sigma =
-      out.sigma < kKnownFrictionShare * utilisation
-          ? out.friction * std::hypot(out.sigma / utilisation, patch.shear_sigma_n / patch.shear_n)
-          : std::numeric_limits<double>::infinity();
+  out.friction_sigma = out.sigma < kKnownFrictionShare * utilisation
+                           ? out.friction * norm(out.sigma / utilisation, patch.shear_sigma_n / patch.shear_n)
+                           : std::numeric_limits<double>::infinity();
   out.in_model = ratio.deviation.hertzian(options_.ratio.deviation) &&
                  monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < kMaxRingMisfit;
   return out;

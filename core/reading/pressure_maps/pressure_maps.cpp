@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/reading/method/method.hpp"
 
 namespace slipd {
@@ -180,14 +181,14 @@ void PressureMaps::conclude(const ContactPatch& patch, const Trial& best, const 
   weigh(out);
   if (!out.in_model) return;
   if (out.sigma > options_.open_sigma && !skin_) give_profile(out);
-  const double by_model = std::hypot(options_.least_sigma, options_.unexplained_sigma * unexplained);
-  out.common_sigma = std::hypot(by_model, out.sigma * std::sqrt(best.map_share));
-  out.sigma = std::hypot(out.sigma, by_model);
+  const double by_model = norm(options_.least_sigma, options_.unexplained_sigma * unexplained);
+  out.common_sigma = norm(by_model, out.sigma * std::sqrt(best.map_share));
+  out.sigma = norm(out.sigma, by_model);
   const double rest = 1 - out.gamma;
   if (!(out.sigma < kKnownFrictionShare * rest))
     out.friction_sigma = std::numeric_limits<double>::infinity();
   else
-    out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_model / rest);
+    out.friction_sigma = norm(out.friction_sigma, out.friction * by_model / rest);
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
@@ -269,7 +270,7 @@ PressureMaps::Trial PressureMaps::judge_sensed(std::size_t step, const ContactPa
   trial.map_share = std::min(1.0, pull.map_share + skin_->pressing_share());
   // Against the force: noise.
   const double along = pull.x * patch.direction_x + pull.y * patch.direction_y;
-  weigh_friction(along > 0 ? std::hypot(pull.x, pull.y) : along, pull.square_pa2, trial);
+  weigh_friction(along > 0 ? norm(pull.x, pull.y) : along, pull.square_pa2, trial);
   return trial;
 }
 
@@ -364,11 +365,11 @@ Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {
            out);
   if (!out.in_model) return out;
   out.normal_n = normal_n;
-  out.shear_n = std::hypot(pull.x, pull.y) * (1 - best.gamma) * normal_n;
+  out.shear_n = norm(pull.x, pull.y) * (1 - best.gamma) * normal_n;
   const double by_depth = sigma_by_depth(patch, step, out.gamma);
-  out.sigma = std::hypot(out.sigma, by_depth);
-  out.common_sigma = std::hypot(out.common_sigma, by_depth);
-  out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_depth / (1 - out.gamma));
+  out.sigma = norm(out.sigma, by_depth);
+  out.common_sigma = norm(out.common_sigma, by_depth);
+  out.friction_sigma = norm(out.friction_sigma, out.friction * by_depth / (1 - out.gamma));
   return out;
 }
 

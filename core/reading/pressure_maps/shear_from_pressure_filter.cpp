@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "core/numeric/norm.hpp"
+
 namespace slipd {
 namespace {
 
@@ -83,7 +85,7 @@ ShearFromPressureFilter::Kernels ShearFromPressureFilter::kernels_at(double dept
     for (std::size_t u = 0; u < wide_x.length; ++u) {
       const double kx = wave_number(u, wide_x.length);
       for (std::size_t v = 0; v < wide_y.length; ++v) {
-        const double ky = wave_number(v, wide_y.length), k = std::hypot(kx, ky);
+        const double ky = wave_number(v, wide_y.length), k = norm(kx, ky);
         const double nominal = depth_sides > 0 ? k * nominal_sides / depth_sides : 0;
         const double sensed = (1 + nominal) * std::exp(-nominal) < least_sensed ? 0 : 1 / (1 + k);
         // The highest frequency of an even length has both signs.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numeric/norm.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
@@ -115,7 +116,7 @@ SubsurfacePressureMaps::Pull SubsurfacePressureMaps::pull(std::size_t trial) con
 
 // Along the pull.
 double SubsurfacePressureMaps::history_gain(std::size_t trial, const Pull& pull) const noexcept {
-  const double friction = std::hypot(pull.x, pull.y);
+  const double friction = norm(pull.x, pull.y);
   if (!(friction > 0)) return 0;
   const double c = pull.x / friction, s = pull.y / friction;
   const Square along = of_pulls(pulls_, c, s);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -123,7 +124,7 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   const double square = out.gamma * out.gamma;
   const double rounded = options_.rounded_factor * plateau.width / plateau.ratio *
                          (options_.rounded_base + out.gamma + options_.rounded_steep * square * square);
-  const double sigma = std::hypot(by_noise, rounded);
+  const double sigma = norm(by_noise, rounded);
   const double slipping = plateau.normal_pa / frame_.normal_pa;
   frame_.all_slipped = slipping > options_.all_slip_share;
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
@@ -133,7 +134,7 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
     return out;
   out.in_model = true;
   out.friction_sigma = sigma * plateau.ratio;
-  out.sigma = utilisation * std::hypot(sigma, loaded.shear_sigma_n / loaded.shear_n);
+  out.sigma = utilisation * norm(sigma, loaded.shear_sigma_n / loaded.shear_n);
   out.common_sigma = utilisation * rounded;
   return out;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "core/reading/torque/torque_kernels.hpp"
 #include "core/simd/instruction_sets.hpp"
@@ -49,7 +50,7 @@ TorqueMomentRatio::Ratio TorqueMomentRatio::ratio_of(const ContactPatch& patch, 
   const double from_q = patch.noise_shear_pa * std::sqrt(speeds.about(work.mean())) / work.all;
   const double from_p = patch.noise_normal_pa * std::sqrt(speeds.about(limit.mean())) / limit.all;
   return {.value = value,
-          .noise = std::hypot(from_q, value * from_p) / of_limit,
+          .noise = norm(from_q, value * from_p) / of_limit,
           .fourth = work.mean_square(area) / limit.mean_square(area)};
 }
 
@@ -88,7 +89,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
                       side_m_, options_.deviation);
   const Ratio ratio = as_of_pull(ratio_of(loaded, along, spin), std::fabs(spin) / (std::fabs(spin) + along));
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
-  const double open = kClearSigmas * std::hypot(ratio.noise, common);
+  const double open = kClearSigmas * norm(ratio.noise, common);
   if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
       !deviation.hertzian(options_.deviation))
     return out;
@@ -97,15 +98,15 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
   const double slope = gamma_per_moment_ratio(std::cbrt(out.gamma)),
                of_shape = deviation.sigma(options_.deviation);
-  out.sigma = std::hypot(slope * std::hypot(ratio.noise, common), of_shape);
-  out.common_sigma = std::hypot(slope * common, of_shape);
+  out.sigma = norm(slope * norm(ratio.noise, common), of_shape);
+  out.common_sigma = norm(slope * common, of_shape);
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
   if (!(out.sigma < std::max(options_.max_sigma * utilisation, options_.max_gamma_sigma))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / utilisation;
   if (relative < options_.known_sigma)
-    out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);
+    out.friction_sigma = out.friction * norm(relative, loaded.shear_sigma_n / loaded.shear_n);
   out.in_model = true;
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -37,9 +38,9 @@ Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPull
     reading.load_fallen = true;
   } else if (frame_.path.straight && (!reading.in_model || reading.gamma > kRoundedGamma)) {
     const Reading by_moments = moments_.estimate(loaded, pull);
-    if (!reading.in_model || (by_moments.in_model && by_moments.sigma < reading.sigma &&
-                              std::fabs(by_moments.gamma - reading.gamma) <
-                                  kClearSigmas * std::hypot(by_moments.sigma, reading.sigma)))
+    if (!reading.in_model ||
+        (by_moments.in_model && by_moments.sigma < reading.sigma &&
+         std::fabs(by_moments.gamma - reading.gamma) < kClearSigmas * norm(by_moments.sigma, reading.sigma)))
       return by_moments;
   }
   return reading;

@@ -63,7 +63,9 @@ void WinklerFoundation::settle(const Row& most, double target) noexcept {
     high = std::max(high, most[i] - load_[i]);
   }
   const auto goal = static_cast<float>(target);
-  const float open = 1e-5F * static_cast<float>(std::fabs(target)) + 1e-12F;
+  float all = 0;
+  for (const float m : most) all += m;
+  const float open = 1e-5F * all;  // of the most that they can carry
   for (int n = 0; n < kMostSteps; ++n) {
     float sum = 0, sticking = 0;
     for (std::size_t i = 0; i < kSprings; ++i) {
@@ -93,7 +95,7 @@ void WinklerFoundation::follow(double normal_n, double shear_n, double friction)
   const double d_normal = normal_n - normal_n_, d_shear = target_n - shear_n_;
   Row most;
   limits(edge, friction, most);
-  if (d_normal > 0 &&
+  if (std::fabs(target_n) < most_n && d_normal > 0 &&
       std::fabs(d_shear) <= friction * d_normal) {  // all springs stick; the new ring takes its share
     const double old_radius = std::cbrt(normal_n_), old_edge = old_radius * old_radius;
     const auto slope = static_cast<float>(d_shear / d_normal);
@@ -112,6 +114,13 @@ void WinklerFoundation::assume_monotonic(double normal_n, double shear_n, double
   clear();
   follow(normal_n, 0, friction);
   follow(normal_n, shear_n, friction);
+}
+
+void WinklerFoundation::fall_to(double friction) noexcept {
+  const double radius = std::cbrt(normal_n_);
+  Row most;
+  limits(radius * radius, friction, most);
+  for (std::size_t i = 0; i < kSprings; ++i) load_[i] = std::min(std::max(load_[i], -most[i]), most[i]);
 }
 
 ShearMoments WinklerFoundation::shear_moments() const noexcept {

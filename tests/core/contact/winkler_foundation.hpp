@@ -1,5 +1,5 @@
 // One Winkler foundation in its plain form. core/friction/foundations/winkler_foundations follows many of
-// them and must agree with this one to the last bit; this one must agree with the exact load history.
+// them and must agree with this one; this one must agree with the exact load history.
 #pragma once
 
 #include <array>
@@ -15,6 +15,9 @@ class WinklerFoundation {
   void clear() noexcept;
   void follow(double normal_n, double shear_n, double friction) noexcept;
   void assume_monotonic(double normal_n, double shear_n, double friction) noexcept;
+  // Springs that carry more than this friction holds slip down to that; what all carry is for follow() to
+  // restore.
+  void fall_to(double friction) noexcept;
 
   double shear_n() const noexcept { return shear_n_; }
 

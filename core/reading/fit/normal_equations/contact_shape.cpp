@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "core/numeric/norm.hpp"
 #include "core/reading/fit/normal_equations/field_slopes.hpp"
 
 namespace slipd {
@@ -131,7 +132,7 @@ void ContactShape::choose(std::size_t count, Detail detail) noexcept {
 }
 
 contact::Ellipse ContactShape::ellipse_of(const Full& at, double scale) noexcept {
-  const double apart = std::hypot(at[along], at[across]), stretch = std::exp(0.5 * apart);
+  const double apart = norm(at[along], at[across]), stretch = std::exp(0.5 * apart);
   return {scale * at[size] * stretch, scale * at[size] / stretch, 0.5 * std::atan2(at[across], at[along])};
 }
 
@@ -230,12 +231,12 @@ void ContactShape::evaluate_sheets(const Full& from, int unknowns, Detail detail
   Full at = from;
   if (unknowns == kRound) {
     at[along] = at[across] = 0;
-  } else if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
+  } else if (norm(at[along], at[across]) < kLeastLogAxes) {
     at[along] = kLeastLogAxes;
     at[across] = 0;
   }
   place(at);
-  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = std::hypot(at[along], at[across]);
+  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = norm(at[along], at[across]);
   const contact::Ellipse wide = ellipse_of(at, 1), narrow = ellipse_of(at, k);
   outer_.evaluate(wide, u(), v(), detail);
   inner_.evaluate(narrow, u(), v(), detail);
