@@ -5,18 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "core/friction/foundations/monotonic_contact.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/reading/moments/moments.hpp"
 
 namespace slipd {
 namespace {
-
-// The slip moment Q (5/3 - 5/2 <u>_q) after a monotonic load, over mu P: with Gamma = k^3 it is
-// 5/3 (1 - k^3) - (1 - k^5). (docs/theory.md §7)
-double monotonic_slip_moment(double k) noexcept {
-  const double k3 = k * k * k;
-  return 5.0 / 3 * (1 - k3) - (1 - k3 * k * k);
-}
 
 double square(double x) noexcept {
   return x * x;
@@ -83,13 +76,13 @@ void FrictionByShape::lose_history(HistoryEvent why) noexcept {
 // reads as a margin that is smaller by dGamma/drho dS/Q.
 FrictionByShape::HistoryOffset FrictionByShape::offset_of(std::size_t friction, double load,
                                                           double normal_n) const noexcept {
-  const double mu = grid().friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
-  const double k = std::cbrt(std::clamp(1 - load / mu, 0.0, 1.0));
+  const double limit_n = grid().friction(friction) * normal_n, shear_n = load * normal_n;
+  const MonotonicContact monotonic = monotonic_contact(shear_n / limit_n);
   const double beyond_n = std::copysign(1.0, foundations_.shear_n(friction)) *
                               foundations_.shear_moments(friction).slip_moment_n -
-                          limit_n * monotonic_slip_moment(k);
+                          limit_n * monotonic.slip_moment;
   const double resolved_n = options_.monotonic_share_of_limit * limit_n;
-  const double per_newton = gamma_per_moment_ratio(k) / shear_n;
+  const double per_newton = monotonic.gamma_per_moment_ratio / shear_n;
   return {beyond_n, per_newton * std::copysign(std::max(0.0, std::fabs(beyond_n) - resolved_n), beyond_n),
           per_newton * resolved_n};
 }

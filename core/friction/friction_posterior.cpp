@@ -91,11 +91,12 @@ void FrictionPosterior::change(double probability, To to) noexcept {
 
 void FrictionPosterior::bound_below(const MeanSigma& held) noexcept {
   const double to_edge = std::exp(0.5 * grid_.step());  // a point stands for what lies about it
+  const double per_sigma = 1 / held.sigma;
   for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double over = (held.mean - to_edge * grid_.friction(j)) / held.sigma;
-    if (!(over > 0)) continue;
+    const double over = (held.mean - to_edge * grid_.friction(j)) * per_sigma;
+    if (!(over > 0)) break;  // nor any higher one
     const double nats = std::min(kNothingLeft, 0.5 * over * over);
-    changed_[j] *= std::exp(-nats);
+    changed_[j] *= nats < kNothingLeft ? std::exp(-nats) : 0;
     if (!(nats > held_[j])) continue;
     same_[j] *= std::exp(held_[j] - nats);
     held_[j] = nats;

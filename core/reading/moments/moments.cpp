@@ -102,13 +102,13 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   // second Legendre moment Q <6 u^2 - 6 u + 1>, and what noise and a wrong radius make of both.
   const double a2 = 2.5 * mean_p, side = layout.side_m(), shear_n = patch.shear_n;
   const double u = mean_q / a2;
-  const double u2 = (q4 / q - 2.0 / 3 * side * side * mean_q - kSquareFourth * std::pow(side, 4)) / (a2 * a2);
+  const double u2 =
+      (q4 / q - 2.0 / 3 * side * side * mean_q - kSquareFourth * side * side * side * side) / (a2 * a2);
   out.moments = {shear_n * (5.0 / 3 - 2.5 * u), shear_n * (6 * u2 - 6 * u + 1)};
   const double taxel_n = patch.noise_shear_pa * layout.area_m2(), radius = from_p / mean_p;
   const double zero = 5.0 / 3 * mean_p + spread;  // a taxel there counts for nothing
   const double slip_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
-  const double legendre_weights =
-      36 * r8 / std::pow(a2, 4) - 72 * r6 / std::pow(a2, 3) + 48 * r4 / std::pow(a2, 2) - 12 * r2 / a2 + n;
+  const double legendre_weights = (((36 * r8 / a2 - 72 * r6) / a2 + 48 * r4) / a2 - 12 * r2) / a2 + n;
   out.moments_sigma = {
       norm(taxel_n * std::sqrt(std::max(0.0, slip_weights)), shear_n * norm(2.5 * u * radius, grid)),
       norm(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
