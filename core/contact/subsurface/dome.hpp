@@ -13,26 +13,29 @@
 
 namespace slipd::contact {
 
-// atan(t) for t = y / x with x >= 0, y of any sign; 0 where both vanish. Absolute error below 2e-15.
-[[gnu::always_inline]] inline double angle_from_height(double y, double x) noexcept {
-  const double ay = std::fabs(y);
-  const double small = std::min(ay, x), large = std::max(std::max(ay, x), std::numeric_limits<double>::min());
+// atan(t) for t = y / x with x >= 0, y of any sign; 0 where both vanish. Absolute error below 2e-15, of
+// single precision below 2e-7.
+template <typename Real>
+[[gnu::always_inline]] inline Real angle_from_height(Real y, Real x) noexcept {
+  constexpr auto kPi = std::numbers::pi_v<Real>, kRoot2 = std::numbers::sqrt2_v<Real>;
+  const Real ay = std::fabs(y);
+  const Real small = std::min(ay, x), large = std::max(std::max(ay, x), std::numeric_limits<Real>::min());
   // Two reductions, small/large in [0, 1] and then to |z| <= sqrt(2) - 1, taken by one division.
-  const bool upper = small > (std::numbers::sqrt2 - 1) * large;
-  const double z = upper ? (small - large) / (small + large) : small / large;
-  const double w = z * z;
-  double series = -0.02531472973194233;
-  series = series * w + 0.050246342455960435;
-  series = series * w - 0.06505944155503311;
-  series = series * w + 0.07673529098467827;
-  series = series * w - 0.09089529357362555;
-  series = series * w + 0.11111048820585145;
-  series = series * w - 0.14285712660659053;
-  series = series * w + 0.1999999997837687;
-  series = series * w - 0.33333333333221343;
-  series = series * w + 0.999999999999999;
-  double angle = z * series + (upper ? std::numbers::pi / 4 : 0.0);
-  angle = ay > x ? std::numbers::pi / 2 - angle : angle;
+  const bool upper = small > (kRoot2 - 1) * large;
+  const Real z = upper ? (small - large) / (small + large) : small / large;
+  const Real w = z * z;
+  Real series = Real(-0.02531472973194233);
+  series = series * w + Real(0.050246342455960435);
+  series = series * w - Real(0.06505944155503311);
+  series = series * w + Real(0.07673529098467827);
+  series = series * w - Real(0.09089529357362555);
+  series = series * w + Real(0.11111048820585145);
+  series = series * w - Real(0.14285712660659053);
+  series = series * w + Real(0.1999999997837687);
+  series = series * w - Real(0.33333333333221343);
+  series = series * w + Real(0.999999999999999);
+  Real angle = z * series + (upper ? kPi / 4 : 0);
+  angle = ay > x ? kPi / 2 - angle : angle;
   return y < 0 ? -angle : angle;
 }
 
@@ -51,28 +54,30 @@ struct DomeAverages {
 
 // The integral over the rectangle from the origin to (u, v) and its derivatives; w is the height above the
 // corner.
+template <typename Real>
 struct DomeCorner {
-  double value, d_x, d_u, d_v;
+  Real value, d_x, d_u, d_v;
 };
 
-[[gnu::always_inline]] inline DomeCorner dome_corner(double x, double u, double v) noexcept {
+template <typename Real>
+[[gnu::always_inline]] inline DomeCorner<Real> dome_corner(Real x, Real u, Real v) noexcept {
   u = std::clamp(u, -x, x);
   v = std::clamp(v, -x, x);
-  const double w = std::sqrt(std::max(0.0, x * x - u * u - v * v));
-  const double over_u = angle_from_height(v, w), over_v = angle_from_height(u, w);
-  const double over_both = angle_from_height(u * v, x * w);
-  const double xx = x * x, uu = u * u, vv = v * v;
+  const Real w = std::sqrt(std::max(Real(0), x * x - u * u - v * v));
+  const Real over_u = angle_from_height(v, w), over_v = angle_from_height(u, w);
+  const Real over_both = angle_from_height(u * v, x * w);
+  const Real xx = x * x, uu = u * u, vv = v * v;
   return {
       (2 * u * v * w + u * (3 * xx - uu) * over_u + v * (3 * xx - vv) * over_v - 2 * xx * x * over_both) / 6,
-      x * (u * over_u + v * over_v - x * over_both), 0.5 * (v * w + (xx - uu) * over_u),
-      0.5 * (u * w + (xx - vv) * over_v)};
+      x * (u * over_u + v * over_v - x * over_both), Real(0.5) * (v * w + (xx - uu) * over_u),
+      Real(0.5) * (u * w + (xx - vv) * over_v)};
 }
 
 // The average over the square of `side` about (u, v). x >= 0.
 [[gnu::always_inline]] inline DomeAverage dome_average(double x, double u, double v, double side) noexcept {
   const double h = side / 2, per_area = 1 / (side * side);
-  const DomeCorner a = dome_corner(x, u + h, v + h), b = dome_corner(x, u - h, v + h);
-  const DomeCorner c = dome_corner(x, u + h, v - h), d = dome_corner(x, u - h, v - h);
+  const auto a = dome_corner(x, u + h, v + h), b = dome_corner(x, u - h, v + h);
+  const auto c = dome_corner(x, u + h, v - h), d = dome_corner(x, u - h, v - h);
   return {(a.value - b.value - c.value + d.value) * per_area, (a.d_x - b.d_x - c.d_x + d.d_x) * per_area,
           (a.d_u - b.d_u - c.d_u + d.d_u) * per_area, (a.d_v - b.d_v - c.d_v + d.d_v) * per_area};
 }

@@ -37,7 +37,7 @@ class DomeLattice {
   // spans have room for a value of each square. Exact to rounding. x >= 0; lengths in m.
   void evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept;
 
-  // The averages alone, in less time.
+  // The averages alone, in half the time: in single precision, to 5e-7 x^3/side^2.
   void values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept;
 
   std::size_t memory_bytes() const noexcept {

@@ -20,9 +20,10 @@ TEST(Dome, ItsArcTangentIsTheLibrarysToFourteenDigits) {
   for (int i = 0; i < 100000; ++i) {
     const double y = unit(random) * std::pow(10.0, 8 * unit(random)), x = std::fabs(unit(random));
     EXPECT_NEAR(angle_from_height(y, x), std::atan2(y, x), 4e-15);
+    EXPECT_NEAR(angle_from_height(static_cast<float>(y), static_cast<float>(x)), std::atan2(y, x), 3e-7);
   }
-  EXPECT_EQ(angle_from_height(0, 0), 0);
-  EXPECT_DOUBLE_EQ(angle_from_height(-1, 0), -std::numbers::pi / 2);
+  EXPECT_EQ(angle_from_height(0.0, 0.0), 0);
+  EXPECT_DOUBLE_EQ(angle_from_height(-1.0, 0.0), -std::numbers::pi / 2);
 }
 
 TEST(Dome, ItsDerivativesAreThoseOfItsAverage) {
@@ -95,9 +96,9 @@ TEST(DomeLattice, AgreesWithTheClosedFormOfEachSquare) {
         const DomeAverage mean =
             dome_average(x, left + side * (column + 0.5) - center_x,
                          bottom + side * (static_cast<double>(row) + 0.5) - center_y, side);
-        // Rounding of corners, over the square's area.
+        // Rounding of corners, over the square's area; alone in single precision.
         EXPECT_NEAR(value[at], mean.value, 1e-12);
-        EXPECT_NEAR(alone[at], mean.value, 1e-12);
+        EXPECT_NEAR(alone[at], mean.value, 5e-7 * x * x * x / (side * side));
         EXPECT_NEAR(d_x[at], mean.d_x, 1e-11);
         EXPECT_NEAR(d_u[at], mean.d_u, 1e-11);
         EXPECT_NEAR(d_v[at], mean.d_v, 1e-11);
