@@ -36,6 +36,12 @@ struct CornerLists {
   }
 }
 
+// Corners are computed in whole vectors of the widest registers: a rest of single ones takes longer.
+constexpr std::size_t in_vectors(std::size_t corners) noexcept {
+  constexpr std::size_t kLanes = 16;
+  return (corners + kLanes - 1) / kLanes * kLanes;
+}
+
 struct LatticeKernels {
   void (*corners)(const CornerLists&) noexcept;
   void (*values)(const CornerLists&) noexcept;
@@ -52,7 +58,7 @@ const LatticeKernels LatticeKernels::avx512{on_avx512<fill_corners>, on_avx512<f
 DomeLattice::DomeLattice(std::size_t most_along) {
   rows_.reserve(most_along + 1);
   for (auto* list : {&u_, &v_, &value_, &d_x_, &d_u_, &d_v_})
-    list->resize((most_along + 1) * (most_along + 1));
+    list->resize(in_vectors((most_along + 1) * (most_along + 1)));
   best_kernels<LatticeKernels>();  // not first within a fit
 }
 
@@ -82,7 +88,7 @@ void DomeLattice::set(const SquareLattice& lattice) noexcept {
 
 void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept {
   best_kernels<LatticeKernels>().corners({u_.data(), v_.data(), value_.data(), d_x_.data(), d_u_.data(),
-                                          d_v_.data(), corners_, x, center_x_m, center_y_m});
+                                          d_v_.data(), in_vectors(corners_), x, center_x_m, center_y_m});
   put(value_, out.value);
   put(d_x_, out.d_x);
   put(d_u_, out.d_u);
@@ -90,8 +96,8 @@ void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, const
 }
 
 void DomeLattice::values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept {
-  best_kernels<LatticeKernels>().values(
-      {u_.data(), v_.data(), value_.data(), nullptr, nullptr, nullptr, corners_, x, center_x_m, center_y_m});
+  best_kernels<LatticeKernels>().values({u_.data(), v_.data(), value_.data(), nullptr, nullptr, nullptr,
+                                         in_vectors(corners_), x, center_x_m, center_y_m});
   put(value_, out);
 }
 
