@@ -117,7 +117,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   }
   const double passed = static_cast<double>(time_ns - last_ns_) * 1e-9;
   last_ns_ = time_ns;
-  if (weight_ == 0 || passed <= 0 || passed > options_.max_gap * options_.forget_s) {
+  if (weight_ == 0 || passed <= 0) {
     weight_ = 1;
     t_ = tt_ = tg_ = 0;
     g_ = *gamma;
@@ -132,13 +132,14 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   weight_ = keep * weight_ + 1;
   g_ = keep * g_ + *gamma;
   gg_ = keep * gg_ + *gamma * *gamma;
-  const double spread = tt_ - t_ * t_ / weight_;
-  if (weight_ < options_.min_weight || spread <= 0) return std::nullopt;
+  const double spread = tt_ - t_ * t_ / weight_, free = weight_ - 2;  // a line has two unknowns
+  if (free <= 0 || spread <= 0) return std::nullopt;
   const double slope = (tg_ - t_ * g_ / weight_) / spread;
-  const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
+  const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / free;
+  const double least = std::max(sigma, kLeastMarginSigma);
   const double slope_sigma =
-      std::sqrt(std::max(scatter, options_.independent_share * sigma * sigma) / spread);
-  if (slope > -kClearSigmas * slope_sigma || slope > -options_.min_rate_per_s) return std::nullopt;
+      std::sqrt(std::max(scatter, options_.independent_share * least * least) / spread);
+  if (!(slope < -kClearSigmas * slope_sigma)) return std::nullopt;
   return std::max(0.0, *gamma / -slope);
 }
 

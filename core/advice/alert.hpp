@@ -73,21 +73,12 @@ class AlertLogic {
 
 // Checked by tests/core/advice/alert_test.cpp, over whole grasps with tests/bench/alert_statistics.cpp.
 struct SlipForecastOptions {
-  // Time after which a sample weighs 1/e; s, 0.001 … 1. Too small: noise is taken for a fall. Too large: a
-  // fall is seen late.
+  // Time after which a sample weighs 1/e; s, 0.001 … 1. Too small: noise is taken for a fall, and slow
+  // sensors have no forecast. Too large: a fall is seen late.
   double forget_s = 0.02;
-  // Gap between samples after which older ones are dropped, in forget_s; 3 … 100. Too small: a slow sensor
-  // has no forecast. Too large: samples that mean nothing are kept.
-  double max_gap = 10;
-  // Weight of the samples from which on a slope shows, 1 for the newest one; 2 … 20. Too small: two samples
-  // are a slope. Too large: a slow sensor has no forecast.
-  double min_weight = 3;
   // Share of a margin's variance that samples do not have in common, the floor of their scatter about the
   // line; 0 … 1. Too small: a smooth error of the margin is taken for a fall. Too large: no forecast.
   double independent_share = 0.01;
-  // A margin that falls more slowly than this does not fall; 1/s, 0 … 0.1. Too small: forecasts of hours. Too
-  // large: slow slip is not foretold.
-  double min_rate_per_s = 1e-3;
 };
 
 // The margin's slope by least squares with exponential forgetting.

@@ -25,7 +25,7 @@ class ContactPipeline {
   // What reads single frames; friction where nothing does. Any thread.
   virtual Method method() const noexcept = 0;
   // What no margin of this sensor is surer than: standard deviation, Gamma.
-  virtual double least_sigma() const noexcept { return MarginDecision::kLeastSigma; }
+  virtual double least_sigma() const noexcept { return kLeastMarginSigma; }
   // Why there is never a margin; none: there may be.
   virtual std::optional<State> refused() const noexcept { return std::nullopt; }
 

@@ -4,14 +4,11 @@
 
 #include "core/advice/alert.hpp"
 #include "core/chain/chain_parts.hpp"
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 
 namespace slipd {
 namespace {
-
-// Taxels within the contact's disc below which a frame's shape is not used, 4 to 30. Too small: the shape is
-// noise. Too large: small contacts get no margin from their shape.
-constexpr std::size_t kFewInside = 12;
 
 bool is_clear(const ContactPatch& patch) noexcept {
   return patch.shear_n > kClearSigmas * patch.shear_sigma_n;

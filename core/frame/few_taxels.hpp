@@ -10,4 +10,9 @@ namespace slipd {
 // little. Too large: 8 x 8 taxels lose theirs.
 inline constexpr std::size_t kFewTaxels = 40;
 
+// Taxels within the contact's disc below which a frame's shape is not used, 4 to 30, and which a plateau of
+// friction has at least. Too small: the shape is noise, and chance makes a plateau. Too large: small contacts
+// get no margin from their shape, and torque one under heavy loads alone.
+inline constexpr std::size_t kFewInside = 12;
+
 }  // namespace slipd

@@ -14,4 +14,9 @@ inline constexpr double kClearSigmas = 3;
 // small: noise is taken for a contact. Too large: light contacts are missed.
 inline constexpr double kStandsOutSigmas = 5;
 
+// A load shows friction, and a single minimum, if it exceeds this many; 5 … 20. Too small: noise shows a
+// friction that no object has, and a light pull is read as gross slip. Too large: friction is learnt late, on
+// few taxels above all.
+inline constexpr double kStrongSigmas = 10;
+
 }  // namespace slipd

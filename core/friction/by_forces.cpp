@@ -36,7 +36,7 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   const bool self_stressed =
       grasp_.exceeds_friction || frame.previous.field.internal_share > options_.max_internal_share;
   if (!self_stressed) bound_by_held();
-  if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
+  if (frame.reading != nullptr && patch.shear_n > kStrongSigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);
   if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !self_stressed)
     weigh_slide(*slide);

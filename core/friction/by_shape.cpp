@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/frame/significance.hpp"
 #include "core/friction/foundations/monotonic_contact.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -42,7 +43,7 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   const bool turning = reading != nullptr && reading->under_torque;
   if (!turning) follow(patch);
   grasp_.turning = turning;
-  const bool clear = reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n;
+  const bool clear = reading != nullptr && patch.shear_n > kStrongSigmas * patch.shear_sigma_n;
   verify(frame, clear);
   if (clear && (turning ? weigh_torque(*reading) : weigh_frame(frame))) grasp_.unverified_frames = 0;
   // Nothing that sticks again shows friction, but it may show that friction is not as it was learnt.
@@ -121,8 +122,7 @@ bool FrictionByShape::weigh_torque(const Reading& reading) noexcept {
   grasp_.margin_offset = {};
   if (!reading.in_model || !std::isfinite(reading.friction_sigma)) return false;
   const double all = reading.friction_sigma / reading.friction;
-  const double common =
-      std::min(all, reading.common_sigma / std::max(options_.min_utilisation, 1 - reading.gamma));
+  const double common = std::min(all, reading.common_sigma / (1 - reading.gamma));
   const double variance = square(all) + variance_of_step(2 * grid().step());
   PerFriction residuals;  // the first grid().count() of them
   double least = std::numeric_limits<double>::infinity();
@@ -171,7 +171,7 @@ bool FrictionByShape::compare_moments(const ContactPatch& patch, const Reading& 
   const double sign = forces_.axis().cosine(patch);
   // The model's error is the same in every frame.
   const double most_n = std::max(std::fabs(seen.slip_moment_n), std::fabs(seen.second_legendre_n));
-  const double model_n = norm(options_.uneven_share * patch.shear_n, options_.locked_in_share * most_n);
+  const double model_n = norm(kUnevenShare * patch.shear_n, options_.locked_in_share * most_n);
   const contact::ShearMoments common{norm(locked_in.slip_moment_n, model_n),
                                      norm(locked_in.second_legendre_n, model_n)};
   const contact::ShearMoments noise{

@@ -20,7 +20,7 @@ double drag(double from, double to, double band) noexcept {
 // The direction of shear is the surer the more of it there is: until it is clear the axis follows each frame,
 // later with each growth by reaim_ratio.
 bool ShearAxis::aim(const ContactPatch& patch, const FollowedForcesOptions& options) noexcept {
-  const double clear_n = options.clear_sigmas * patch.shear_sigma_n;
+  const double clear_n = kStrongSigmas * patch.shear_sigma_n;
   const double across_n = std::fabs(patch.shear_y_n * x_ - patch.shear_x_n * y_);
   const bool turned = across_n > clear_n && across_n > options.turned_share * patch.shear_n;
   const double reaim_n = std::max(options.reaim_ratio * aimed_n_, kClearSigmas * patch.shear_sigma_n);
@@ -47,7 +47,7 @@ bool FollowedForces::follow(const ContactPatch& patch) noexcept {
       drag(shear_n_, axis_.along_n(forces_of(patch)),
            options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n);
   if (normal_to == normal_n_ && shear_to == shear_n_) return false;
-  normal_n_ = std::max(normal_to, options_.min_normal_share * patch.normal_n);
+  normal_n_ = std::max(normal_to, least_n);
   shear_n_ = shear_to;
   return true;
 }
@@ -55,7 +55,7 @@ bool FollowedForces::follow(const ContactPatch& patch) noexcept {
 bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {
   if (frames_ >= options_.onset_frames) return false;
   if (frames_++ == 0) first_normal_n_ = patch.normal_n;
-  const bool loaded = patch.shear_n > options_.clear_sigmas * patch.shear_sigma_n;
+  const bool loaded = patch.shear_n > kStrongSigmas * patch.shear_sigma_n;
   return frames_ == options_.onset_frames && loaded &&
          patch.normal_n < options_.onset_growth * first_normal_n_;
 }

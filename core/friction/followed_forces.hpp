@@ -14,18 +14,13 @@ struct FollowedForcesOptions {
   // Half-width of the dead band; sigmas, 0 … 5. Too small: noise is followed as small reversals, which wear
   // the locked-in traction off. Too large: the foundations lag behind the load.
   double band_sigmas = 1.5;
-  // Added to it, of the normal force, dimensionless, 0 … 0.05: the band of a sensor without noise. Too small:
+  // Added to it, of the normal force, dimensionless, 1e-4 … 0.05: the band of a sensor without noise. No less
+  // than this is followed, so that the contact stays open while the band is wider than the force. Too small:
   // rounding is followed. Too large: small changes of load are missed.
   double band_share = 0.002;
   // The same added to the band of shear, as a share of what is added for the normal force; 0 … 1. Shear is
   // smaller than the normal force: too large, and the band hides what slips.
   double shear_band_share = 0.1;
-  // The least normal force that is followed, of the measured one, dimensionless, 1e-9 … 0.01: keeps the
-  // contact open while the band is wider than the force. Too small or too large: no effect seen.
-  double min_normal_share = 1e-6;
-  // Shear whose direction is sure; sigmas, 3 … 20. Too small: the axis is set by noise, and shear across it
-  // is lost. Too large: the axis follows the noise for longer.
-  double clear_sigmas = 7;
   // The axis is taken anew from shear this much larger than the one it was taken from; ratio, 1 … 3. Too
   // small: the axis turns with noise each frame. Too large: an early, noisy axis stays.
   double reaim_ratio = 1.5;

@@ -30,10 +30,6 @@ struct FrictionFilterOptions {
   // friction known by a slide changes in steps.
   std::size_t force_only_points = 112;
 
-  // Shear from which on a frame is weighed; sigmas, 3 … 20. Too small: noise is weighed, and shows a friction
-  // that no object has. Too large: friction is learnt late, on few taxels above all.
-  double min_shear_sigmas = 10;
-
   // Sigma of a frame's margin up to which it confirms that a load which was not seen was monotonic; Gamma,
   // 0.05 … 0.5. Too small: such a grasp gets no margin while its load is light. Too large: frames whose noise
   // some friction always explains confirm a history that is wrong.
@@ -57,8 +53,6 @@ struct FrictionFilterOptions {
   double profile_common_share = 0.1;
   // The same of the pillars of a pad, each of which stands a little otherwise than the model; 0.05 … 1.
   double pillars_common_share = 0.2;
-  // The least 1 - Gamma that friction is read from; 1e-6 … 0.1: keeps quotients finite without load.
-  double min_utilisation = 1e-3;
 
   // How far the slip moment of the likeliest friction's foundation may be from a monotonic load's and still
   // count as one: a share of Q, plus a share of mu P; 0.01 … 0.1 and 0.001 … 0.01. Too small: a monotonic
@@ -72,9 +66,6 @@ struct FrictionFilterOptions {
   // large: frames that say much are wasted.
   double offset_sigma_share = 0.3;
 
-  // What the shear moments of a real skin deviate from the model, of the shear; standard deviation, 0.005 …
-  // 0.1. Too small: the model's error refutes the right friction. Too large: frictions are not distinguished.
-  double uneven_share = 0.02;
   // How well noisy forces reproduce the locked-in traction, of the larger shear moment; the same, 0 … 0.2.
   // Too small and too large: as above, after an unloading.
   double locked_in_share = 0.04;

@@ -49,7 +49,8 @@ const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPat
   profile_.known = false;
   const double normal_n = read_normal(frame);
   if (!(normal_n > 0)) return profile_;
-  if (state_.field.frames == 0 || normal_n > (1 + options_.normal_rise) * state_.least_normal_n) state_ = {};
+  if (state_.field.frames == 0 || normal_n > (1 + options_.normal_change) * state_.least_normal_n)
+    state_ = {};
   state_.least_normal_n = state_.field.frames == 0 ? normal_n : std::min(state_.least_normal_n, normal_n);
 
   const double noise_n = area_m2_ * patch.noise_shear_pa;
@@ -102,7 +103,7 @@ PadLoadSharing::Pull PadLoadSharing::read_pull(const Frame& frame, double noise_
 
 void PadLoadSharing::learn_field(const Frame& frame, double normal_n) noexcept {
   Field& field = state_.field;
-  if (normal_n < (1 - options_.normal_fall) * field.normal_n) field = {};
+  if (normal_n < (1 - options_.normal_change) * field.normal_n) field = {};
   if (field.frames == 0) field.normal_n = normal_n;
   ++field.frames;
   for (std::size_t i = 0; i < taxels_; ++i) {

@@ -24,11 +24,10 @@ namespace slipd {
 
 // Checked with `slipd-lab alerts`. P: the normal force, Q: the shear force; shares have no unit.
 struct PadLoadSharingOptions {
-  // P that rises by this share above its least begins anew; 0.02 … 0.2. Too small: shaking. Too large: shear
-  // of pressing passes for a pull.
-  double normal_rise = 0.05;
-  // P that falls by this share while nothing pulls: the field of the hold is taken anew; 0.05 … 0.5.
-  double normal_fall = 0.1;
+  // P that rises by this share above its least begins anew, and one that falls by it while nothing pulls has
+  // the field of the hold taken anew; 0.02 … 0.2. Too small: shaking. Too large: shear of pressing passes for
+  // a pull.
+  double normal_change = 0.05;
   // Pull over P from which on something pulls; 0.01 … 0.1. Too small: noise. Too large: a slow pull passes
   // for the field of the hold.
   double pulled = 0.03;

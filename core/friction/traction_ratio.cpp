@@ -90,8 +90,8 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
     const SlidingVerdict& sliding) noexcept {
   const auto [ratio, sigma] = frame_.now;
   state_.highest = std::max(state_.highest, ratio - sigma);
-  if (state_.normal_n > (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n +
-                            options_.plateau_fall_sigmas * frame_.normal_sigma_n)
+  if (state_.normal_n >
+      (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n + kClearSigmas * frame_.normal_sigma_n)
     state_.at_last_grip_rise = {ratio, state_.normal_n};
   const std::optional<Slide> even = read_plateau();
   if (sliding.field.known && sliding.field.coherence < options_.min_coherence) return std::nullopt;
@@ -126,7 +126,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
     return std::nullopt;
   }
   const double began_n = state_.plateau->load.normal_n,
-               fallen_n = began_n - state_.normal_n - options_.plateau_fall_sigmas * frame_.normal_sigma_n;
+               fallen_n = began_n - state_.normal_n - kClearSigmas * frame_.normal_sigma_n;
   if (fallen_n < options_.plateau_fall * began_n) return std::nullopt;
   if (ratio < options_.min_of_highest * state_.highest) return std::nullopt;
   if (ratio < options_.risen * state_.at_last_grip_rise.ratio + options_.alike_sigmas * sigma)

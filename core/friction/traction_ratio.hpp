@@ -39,8 +39,6 @@ struct TractionRatioOptions {
   // P has to fall by this much for a plateau to be gross slip; relative, 0.01 … 0.5. Too small: a slow drift
   // passes for a slide. Too large: short slides are missed.
   double plateau_fall = 0.06;
-  // Added to it for noise; standard deviations of the mean of P, 0 … 10.
-  double plateau_fall_sigmas = 4;
   // A plateau below this share of the highest load is no gross slip; 0.5 … 1. Too small: a hold at a part of
   // the load passes for a slide. Too large: friction that fell a little is not learnt from its slide.
   double min_of_highest = 0.9;

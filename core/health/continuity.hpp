@@ -25,17 +25,16 @@ struct ContinuityOptions {
   // Frames are compared if the time between them is at most so many usual ones; 1 … 10. Too small: nothing is
   // compared on a busy machine. Too large: what a contact did while frames were lost is called a jump.
   double regular_steps = 2;
-  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000 and 4 … 100. Too
-  // small: chance. Too large: the beginning of a quick motion is called a jump.
-  double memory_frames = 32;
-  std::uint32_t learning_frames = 16;
-  // Unlikeness of two frames' pressures (PatternChange) that no contact makes: at least this, 0.05 … 0.5,
-  // beyond the usual and beyond what noise makes by a factor, 2 … 100 each. Too small: rolling contacts jump.
-  // Too large: another contact's frames are believed.
+  // Memory of what is usual; of half as many clear frames on something is said; frames, 16 … 1000. Too small:
+  // chance. Too large: the beginning of a quick motion is called a jump.
+  std::uint32_t memory_frames = 32;
+  std::uint32_t learning_frames() const noexcept { return memory_frames / 2; }
+  // Unlikeness of two frames' pressures (PatternChange) that no contact makes: at least this, 0.05 … 0.5, and
+  // beyond what noise makes by a factor, 2 … 100. Too small: rolling contacts jump. Too large: another
+  // contact's frames are believed.
   double least_unlike = 0.15;
   // The same of frames at most fast_step_s apart; 0.01 … 0.2: less happens in a shorter time.
   double least_unlike_fast = 0.02;
-  double usual_factor = 8;
   double noise_factor = 4;
   // Beyond the largest of late frames, forgotten with memory_frames, by this factor, 1.5 … 10: while an
   // object slides over a sensor of few taxels, the pressures change more from frame to frame, but do not
@@ -68,7 +67,7 @@ struct UsualValue {
   double mean = 0;
   double peak = 0;
   std::uint32_t frames = 0;  // that it is of, at most memory_frames
-  void learn(double value, double memory_frames) noexcept;
+  void learn(double value, std::uint32_t memory_frames) noexcept;
 };
 
 class Continuity {

@@ -22,11 +22,11 @@ bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJum
       ++noisy;
     }
   }
-  const bool jumped = frames_ >= options.learning_frames && noisy == 1 && quiet == kChannels - 1;
+  const bool jumped = frames_ >= options.memory_frames / 2 && noisy == 1 && quiet == kChannels - 1;
   run_ = jumped ? run_ + 1 : 0;
   if (jumped) return run_ >= options.frames;
   ++frames_;
-  const double gain = 1 / std::min(static_cast<double>(frames_), options.memory_frames);
+  const double gain = 1.0 / std::min(frames_, options.memory_frames);
   for (std::size_t c = 0; c < kChannels; ++c)
     usual_pa2_[c] += gain * (channels[c].step_square_pa2 - usual_pa2_[c]);
   return false;

@@ -12,10 +12,9 @@ namespace slipd {
 
 // Checked with `slipd-lab faults` and on recordings of real sensors.
 struct NoiseJumpOptions {
-  // Frames of a contact before anything is said, and over which noise is averaged; frames, 16 … 1000. Too
-  // small: the beginning of a contact decides. Too large: nothing is said of short contacts.
-  std::uint32_t learning_frames = 32;
-  double memory_frames = 64;
+  // Frames over which noise is averaged; of half as many of a contact on something is said; frames, 32 …
+  // 2000. Too small: the beginning of a contact decides. Too large: nothing is said of short contacts.
+  std::uint32_t memory_frames = 64;
   // Mean squared step from frame to frame of the noisy channel, and of the others at most, of what is usual;
   // 10 … 1000 and 1.5 … 5. Too small: vibrations and quick loads are called noise. Too large: noise passes.
   double jumped = 30;

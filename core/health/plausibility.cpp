@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/numeric/norm.hpp"
 
@@ -26,6 +27,9 @@ constexpr std::uint32_t kSteadyFrames = 8;
 
 // Rows and columns that are learnt from in a frame.
 constexpr std::size_t kLinesLearnt = 8;
+
+// The normal force of a contact does not fall by this factor in one frame and stay.
+constexpr double kFallen = kWrongScale * kWrongScale;
 
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
@@ -54,7 +58,7 @@ bool PlausibilityMonitor::screen(const Frame& frame, const ContactPatch& patch) 
 
 const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPatch& patch) noexcept {
   now_ = {};
-  repeats_ *= 1 - 1 / options_.repeats_memory_frames;
+  if (since_repeat_ < kNever) ++since_repeat_;
   probes_.update(frame);
   judge_values(patch);
   judge_size(patch);
@@ -143,12 +147,12 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
     return;
   }
   if (fallen_from_n_ > 0) {
-    if (patch.normal_n * options_.fallen_factor > fallen_from_n_) {
+    if (patch.normal_n * kFallen > fallen_from_n_) {
       fallen_from_n_ = 0;
     } else {
       blame(Verdict::frame_refused, Health::wrong_scale);
     }
-  } else if (patch.normal_n * options_.fallen_factor < last_normal_n_) {
+  } else if (patch.normal_n * kFallen < last_normal_n_) {
     fallen_from_n_ = last_normal_n_;
   }
   const bool clear = patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
@@ -194,7 +198,7 @@ void PlausibilityMonitor::judge_past() noexcept {
   bool seen = false;
   for (const std::uint64_t then : past_) seen |= then == now;
   past_[next_past_] = now;
-  next_past_ = (next_past_ + 1) % std::min(options_.past_frames, past_.size());
+  next_past_ = (next_past_ + 1) % past_.size();
   const bool sure = frame_stillness_.noisy(options_.stillness) &&
                     static_cast<double>(probes_.size()) * frame_stillness_.changing() > kSureProbes;
   past_run_ = seen && sure ? past_run_ + 1 : 0;
@@ -203,10 +207,10 @@ void PlausibilityMonitor::judge_past() noexcept {
 
 // A frame that was there before, the last one of so many in a row.
 void PlausibilityMonitor::blame_repeated(std::uint32_t run) noexcept {
-  repeats_ += 1;
+  const std::uint32_t since = std::exchange(since_repeat_, 0);
   if (run >= options_.frozen_frames) {
     blame(Verdict::sensor_fault, Health::frozen);
-  } else if (repeats_ > options_.repeats) {
+  } else if (since <= options_.repeats_within) {
     blame(Verdict::plausible, Health::repeated);
   }
 }
@@ -271,7 +275,7 @@ void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
         at_rail >= std::max(options_.rail_taxels,
                             static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
     const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0}, options_.stillness);
-    if (is.extreme.run() >= options_.rail_frames && (still || many)) is.rail_pa = extreme_pa;
+    if (is.extreme.run() >= options_.frozen_frames && (still || many)) is.rail_pa = extreme_pa;
   }
   if (extreme_pa == is.rail_pa) blame(Verdict::frame_refused, Health::saturated);
 }

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/frame/frame.hpp"
@@ -46,6 +47,7 @@ struct Judgement {
 
 // Checked with `slipd-lab faults`.
 struct PlausibilityOptions {
+  // Earlier frames that a frame is compared with.
   static constexpr std::size_t kPast = 64;
 
   SpikeOptions spikes;
@@ -59,31 +61,22 @@ struct PlausibilityOptions {
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
   std::size_t probes = 192;
-  // Frames that repeat before the sensor counts as frozen; frames, 2 … 20. Fewer are reported, and used. Too
-  // small: a repeated frame takes the margin away. Too large: a margin is given from the past.
+  // Frames that repeat before the sensor counts as frozen, or their greatest value as a rail; frames, 2 … 20.
+  // Fewer are reported, and used. Too small: a repeated frame takes the margin away. Too large: a margin is
+  // given from the past.
   std::uint32_t frozen_frames = 3;
-  // A frame that repeats counts as reported only if another did within about so many frames: drivers and
-  // recordings have a frame twice now and then; frames, 1 … 100.
-  double repeats_memory_frames = 20;
-  // Repeated frames within it; 1 … 5.
-  double repeats = 1.2;
-  // Earlier frames that a frame is compared with; frames, 2 … kPast. Too small: a device that plays a long
-  // block again and again is believed.
-  std::size_t past_frames = kPast;
+  // A frame that repeats is reported only if another did at most so many frames ago: drivers and recordings
+  // have a frame twice now and then; frames, 1 … 100.
+  std::uint32_t repeats_within = 32;
   // Good frames after which a fault has passed; frames, 1 … 100. Too small: a loose contact makes the state
   // flicker. Too large: margins come back late.
   std::uint32_t good_frames = 5;
-  // Frames in a row whose greatest value is the same before it counts as a rail; frames, 2 … 10. Too small:
-  // chance. Too large: late.
-  std::uint32_t rail_frames = 2;
   // Taxels that read the same greatest value, of the contact's; 0.05 … 0.5, and at least so many. Too small:
   // quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
   double rail_share = 0.15;
   std::size_t rail_taxels = 12;
   // Contacts of a smaller radius are not compared so, as their size is not known; sides, 1 … 4.
   double least_sized_sides = 2;
-  // The normal force of a contact does not fall by this factor in one frame and stay; 1e2 … 1e5.
-  double fallen_factor = 1e3;
   // Shear that vanished in one frame did so on at least so many taxels; taxels, 2 … 16. Too small: the last
   // rest of a shear that ends. Too large: sensors of few taxels.
   std::size_t vanished_taxels = 4;
@@ -169,11 +162,12 @@ class PlausibilityMonitor {
   Judgement held_;              // the last fault
   std::uint32_t good_run_ = 0;  // frames since the last fault
   std::size_t spikes_found_ = 0;
+  static constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
   std::array<std::uint64_t, PlausibilityOptions::kPast> past_{};  // fingerprints of the last frames, a ring
   std::size_t next_past_ = 0;
-  double repeats_ = 0;          // frames that repeated of late, faded
-  std::uint32_t past_run_ = 0;  // frames in a row that were there before
-  bool sensed_ = false;         // a probe of this frame is not 0
+  std::uint32_t since_repeat_ = kNever;  // frames
+  std::uint32_t past_run_ = 0;           // frames in a row that were there before
+  bool sensed_ = false;                  // a probe of this frame is not 0
   std::int64_t last_ns_ = 0;
   bool any_ = false;  // a frame was judged before
   bool last_in_contact_ = false;

@@ -44,9 +44,9 @@ SpikeFinder::Look SpikeFinder::needed(const ContactPatch& patch) noexcept {
   const double least_share = patch.in_contact ? 1 : options_.jump_factor;
   const bool beyond = peak > limits_.full_scale.normal_pa || -patch.frame_least_pa > least_share * peak ||
                       shear > std::min(limits_.full_scale.shear_x_pa, limits_.full_scale.shear_y_pa);
-  const bool noisier = patch.noise_shear_pa > options_.noise_factor * last_noise_pa_;
+  const bool noisier = patch.noise_shear_pa > options_.grown_factor * last_noise_pa_;
   last_noise_pa_ = patch.noise_shear_pa;
-  if (++frames_ % (options_.look_frames * options_.looks_at_all) == 0 || found_ || !patch.finite || beyond ||
+  if (++frames_ % (options_.look_frames * options_.look_frames) == 0 || found_ || !patch.finite || beyond ||
       noisier)
     return Look::at_all;
   const bool grown = peak > options_.grown_factor * last_peak_pa_ ||

@@ -27,14 +27,15 @@ struct SpikeOptions {
   // The same two of a peak that jumped; 0.1 … 0.6 and 0.2 … 1.5.
   double jumped_support_share = 0.4;
   double least_jumped_radius_sides = 0.5;
-  // A peak is looked at if it is above the last frame's by this factor; 1.05 … 2. Too small: costs time. Too
-  // large: spikes little above the contact's peak stay until the next look.
+  // A peak is looked at if it is above the last frame's by this factor, and all taxels if the noise of single
+  // shears off the contact is; 1.05 … 2. Too small: costs time. Too large: spikes little above the contact's
+  // peak stay until the next look, and sigma is wide until then.
   double grown_factor = 1.25;
   // A peak above the last frame's by this factor that stands alone is a spike whatever the scene expects; 2 …
   // 20. Too small: taps of sharp things are called spikes. Too large: spikes are believed.
   double jump_factor = 2.5;
-  // Every so many frames the peak is looked at whether it grew or not; frames, 1 … 100. Too large: a spike
-  // that came with the contact is believed for longer.
+  // Every so many frames the peak is looked at whether it grew or not, and at so many of these looks all
+  // taxels; frames, 1 … 100. Too large: a spike that came with the contact is believed for longer.
   std::uint32_t look_frames = 32;
   // At most one taxel in so many is left out, at least one; 8 … 100. Too small: margins from what is left.
   // Too large: sensors with several bad taxels give no margin.
@@ -44,11 +45,6 @@ struct SpikeOptions {
   // Shear above the taxel's own pressure by this factor that stands alone is a spike; 1 … 10. Friction
   // coefficients are below 2.
   double shear_factor = 2;
-  // Off the contact single shears show only as noise: all taxels are looked at if that grew by this factor
-  // since the last frame, 1.1 … 3, and in one look of so many, 1 … 100. Too small: costs time. Too large:
-  // sigma is wide until then.
-  double noise_factor = 1.4;
-  std::uint32_t looks_at_all = 16;
 };
 
 class SpikeFinder {

@@ -15,15 +15,10 @@ inline constexpr double kOneSided95 = 1.645;
 
 class MarginDecision {
  public:
-  // Floor of every margin's sigma; Gamma, 1e-6 … 0.01: what the contact model itself leaves on a perfect
-  // sensor (the mean error of `fit` on 100 x 100 taxels with 1 % of relative noise is 0.0002). Too small: a
-  // margin of a frame without noise is given as exact. Too large: sharp frames are wasted.
-  static constexpr double kLeastSigma = 5e-4;
-
   // Of one frame. sigma_max: Gamma, > 0; a margin that is less sure means nothing: state learning.
   // least_sigma: Gamma, >= 0, what no frame of this sensor is surer than. `refused`: of sensors that never
   // have a margin, why.
-  explicit MarginDecision(double sigma_max, double least_sigma = kLeastSigma,
+  explicit MarginDecision(double sigma_max, double least_sigma = kLeastMarginSigma,
                           std::optional<State> refused = std::nullopt) noexcept
       : sigma_max_(sigma_max), least_sigma_(least_sigma), refused_(refused) {}
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/frame/significance.hpp"
 #include "core/friction/by_forces.hpp"
 #include "core/friction/by_pillars.hpp"
 #include "core/friction/by_shape.hpp"
@@ -128,7 +129,7 @@ MeanSigma MarginOverTime::better_of(const MeanSigma& margin, const MeanSigma& ow
                                     Estimate& out) const noexcept {
   if (!reading.in_model || !is_monotonic(filter_->history())) return margin;
   const double sigma = norm(own.sigma, margin.sigma);
-  if (!(std::fabs(own.mean - margin.mean) < options_.agreement_sigmas * sigma)) return margin;
+  if (!(std::fabs(own.mean - margin.mean) < kClearSigmas * sigma)) return margin;
   out.method = reading.by;
   return own.sigma < margin.sigma ? own : margin;
 }

@@ -59,9 +59,6 @@ struct MarginOverTimeOptions {
   // Too small: sigma is less than the error after a regrip, an unloading or a hold. Too large: margins of
   // these are less sharp than they could be. `slipd-lab coverage --grasps 40 --of histories`.
   double least_friction_sigma = 0.03;
-  // A frame's own margin replaces the filter's if both agree within this; standard deviations of their
-  // difference, 1 … 5. Too small: good frames are wasted. Too large: a frame of another history is given.
-  double agreement_sigmas = 2.5;
 };
 
 // What is known of friction before a grasp.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -73,7 +74,7 @@ LayerTensor PadForces::read_of(double x_m, double y_m, double spread_m) const no
 
 PadForces::Sums PadForces::sums_of(const ContactPatch& patch) const noexcept {
   Sums sums;
-  const double clear_pa = options_.clear_sigmas * patch.noise_normal_pa, area_m2 = layout_.area_m2();
+  const double clear_pa = kClearSigmas * patch.noise_normal_pa, area_m2 = layout_.area_m2();
   double weights = 0, x = 0, y = 0, xx = 0, yy = 0;
   for (std::size_t i = 0; i < layout_.size(); ++i) {
     const double p = patch.taxels.normal_pa[i];

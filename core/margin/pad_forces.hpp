@@ -25,9 +25,6 @@ struct PadForcesOptions {
   // Standard deviation of Q/P of a pad that reads all of it, relative; 0.01 … 0.1: by the contact's shape and
   // by where it is. Too small: sigma is less than the error. Too large: it is more.
   double shape_sigma = 0.02;
-  // Pressure from which on a taxel shows where the contact is, standard deviations; 1 … 5. Too small: noise
-  // far off makes contacts wide. Too large: they come out narrow.
-  double clear_sigmas = 2;
 };
 
 class PadForces {

@@ -118,13 +118,13 @@ double GelRelaxation::weigh() const noexcept {
 }
 
 bool GelRelaxation::touches() const noexcept {
-  return length_mm(row(std::span(history_), 0), rest_) >= options_.contact_mm;
+  return length_mm(row(std::span(history_), 0), rest_) >= options_.moved_mm;
 }
 
 // past_ and rest_ are means: their difference has this part of one picture's noise.
 bool GelRelaxation::was_held() const noexcept {
   const auto now = static_cast<double>(options_.pictures), past = static_cast<double>(count_) - now;
-  return length_mm(past_, rest_) >= options_.contact_mm * std::sqrt(1 / now + 1 / past);
+  return length_mm(past_, rest_) >= options_.moved_mm * std::sqrt(1 / now + 1 / past);
 }
 
 void GelRelaxation::judge() noexcept {
@@ -137,7 +137,7 @@ void GelRelaxation::judge() noexcept {
     state_.sliding = motion_since(count_ - 1).turns() ? Sliding::rotation : Sliding::translation;
   } else {
     const double most_mm = std::max({step_.along_mm(), step_.turning_mm, step_.stretch_mm});
-    state_.sliding = most_mm >= options_.disturbed_mm ? Sliding::disturbed : Sliding::none;
+    state_.sliding = most_mm >= options_.moved_mm ? Sliding::disturbed : Sliding::none;
   }
 }
 
@@ -163,7 +163,7 @@ const GelState& GelRelaxation::update(const Frame& frame) noexcept {
   }
   if (releasing_) {
     if (rest_seen_) state_.contact = touches();
-  } else if (count_ >= options_.pictures + options_.least_past) {
+  } else if (count_ >= options_.pictures + options_.least_past()) {
     judge();
   }
   return state_;

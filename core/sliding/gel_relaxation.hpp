@@ -27,17 +27,16 @@ struct GelRelaxationOptions {
   // … 25. Too small: shaking is a slip. Too large: told late, and settling of a new grip is a slip. By the
   // shared trials.
   std::size_t pictures = 12;
-  // Of the past, at least so many; 2 … pictures. Too small: a stray picture is a past. Too large: slips
-  // soon after the start are missed.
-  std::size_t least_past = 5;
+  // Of the past, at least so many.
+  std::size_t least_past() const noexcept { return pictures / 2; }
   // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts
   // show nothing. Chosen: what a dot at rest wanders by, 0.04 px or 2.5 um.
   double noise_mm = 0.003;
-  // Bend of one picture against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Of means
-  // over pictures it is less, as their noise is. Too small: drift is a
-  // contact. Too large: weak contacts are none. Chosen: three times the bend that the noise of three dots
-  // makes.
-  double contact_mm = 0.02;
+  // Bend of one picture against the gel's rest from which on something touches it, and rigid motion or
+  // stretch in one step that is a disturbance; mm, 0.01 … 0.1. Of means over pictures it is less, as their
+  // noise is. Too small: noise and drift are contacts and pushes. Too large: weak ones are none. Chosen:
+  // three times the bend that the noise of three dots makes, eight times the noise of a dot.
+  double moved_mm = 0.02;
   // Weight of the gel's return to its rest beside the fall of its bend; 0 … 1. Too small: a fall in a
   // changing grip counts like one to rest. Too large: a light touch of a gel at rest counts like a hold. By
   // the shared trials.
@@ -45,9 +44,6 @@ struct GelRelaxationOptions {
   // Evidence from which on it is a slide; nats, 0.1 … 5. Too small: false alarms. Too large: slips are
   // missed. By the shared trials.
   double slides_from = 0.25;
-  // Rigid motion or stretch in one step that is a disturbance; mm, 0.005 … 0.1. Too small: noise. Too large:
-  // pushes are none. Chosen: eight times the noise of a dot.
-  double disturbed_mm = 0.02;
   // After the start, as long as this, a jump between two pictures at rest is a stale picture of the camera:
   // the past begins after it; s, 0 … 2. Too small: it counts as a slip. Too large: a sudden slip is missed.
   // Chosen: eight pictures in the queue of a camera of 25 a second.

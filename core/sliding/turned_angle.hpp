@@ -19,12 +19,12 @@ struct TurnedAngleOptions {
   // Time between frames that are used, s, 0.005 … 0.05; of slower sensors all frames are used. Too small:
   // costs time. Too large: more noise, and fast turns are ambiguous.
   double spacing_s = 0.02;
-  // Share of the newest frame in the pattern that is followed; 0.05 … 1. Too small: the angle lags behind.
-  // Too large: noise.
-  double newest_share = 0.4;
-  // Frames whose mean is the pattern that angles are counted from; 1 … 50. Too small: its noise is in each
-  // angle. Too large: a turn soon after the grip is not counted.
-  int reference_frames = 5;
+  // Frames whose mean is the pattern that angles are counted from, and that a running mean is of; 2 … 50. Too
+  // small: noise is in each angle. Too large: the angle lags behind, and a turn soon after the grip is not
+  // counted.
+  int mean_frames = 5;
+  // Share of the newest frame in the running mean.
+  double newest_share() const noexcept { return 2.0 / mean_frames; }
   // Error of each part of a moment by square taxels on a round rim, over (side/a)^3; 0 … 0.5. On Hertz
   // contacts anywhere on a grid, side/a from 0.1 to 1, the largest is 0.6 of this, and 4 times their root
   // mean square. Too small: the grid's own directions pass for the object's. Too large: coarse arrays give no

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -9,6 +10,12 @@
 
 namespace slipd {
 namespace {
+
+// Two blocks stand still if no channel's means differ by more standard errors than this, and a sensor without
+// a bias reads 0 within it.
+constexpr auto kStillErrors = static_cast<float>(kStandsOutSigmas);
+// What sums in single precision leave of a reading.
+constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
 
 float square(float x) noexcept {
   return x * x;
@@ -224,8 +231,7 @@ bool BiasEstimator::stands_still() const noexcept {
                        1 / std::min(options_.max_independent_frames, static_cast<float>(last_frames_));
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    const float within = options_.still_errors * options_.still_errors * errors * variance +
-                         square(options_.rounding * now[i]);
+    const float within = square(kStillErrors) * errors * variance + square(kRounding * now[i]);
     if (!(square(now[i] - last_mean_[i]) <= within)) return false;  // as for what is no number
   }
   return true;
@@ -239,7 +245,7 @@ bool BiasEstimator::reads_zero() const noexcept {
   const float frames = static_cast<float>(block_.frames() + last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    const float within = std::max(options_.still_errors * std::sqrt(variance / frames), step_pa(i) / 2);
+    const float within = std::max(kStillErrors * std::sqrt(variance / frames), step_pa(i) / 2);
     if (!(std::abs(now[i] + last_mean_[i]) / 2 <= within)) return false;
   }
   return true;
@@ -272,7 +278,7 @@ bool BiasEstimator::near_bias() const noexcept {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
     const float within = std::max(static_cast<float>(kClearSigmas) * std::max(zero_.noise_pa[i], least),
                                   options_.near_steps * step_pa(i)) +
-                         options_.rounding * std::abs(now[i]);
+                         kRounding * std::abs(now[i]);
     if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
   }
   return true;
@@ -333,8 +339,8 @@ void BiasEstimator::take(BiasOrigin origin) noexcept {
 void BiasEstimator::follow() noexcept {
   const auto now = block_.mean_pa();
   const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
-  const auto share = static_cast<float>(
-      1 - std::exp(-std::clamp(seconds, 0.0, options_.max_follow_gap_s) / options_.follow_s));
+  const auto share =
+      static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, options_.absent_s) / options_.follow_s));
   float way = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);

@@ -28,13 +28,6 @@ struct BiasEstimatorOptions {
   // Time in which the bias follows a drift to 1/e; s, 1 … 1000. Too small: a slow touch is followed. Too
   // large: a warming sensor is left behind, and no longer seen to be free.
   double follow_s = 10;
-  // The longest time between two blocks that counts for it; s, 0.1 … 10. Too large: the first block after a
-  // pause moves the bias by much.
-  double max_follow_gap_s = 1;
-  // Two blocks stand still if no channel's means differ by more than this, and a sensor without a bias reads
-  // 0 within it; standard errors, 3 … 10. White noise passes 6 once in 10^8 channels. Too small: noise is
-  // movement. Too large: a slow touch is none.
-  float still_errors = 6;
   // Frames of a block that count as independent at most; 16 … 10000. Flicker noise does not fall with their
   // number. Too small: a slow touch is no movement. Too large: flicker is movement.
   float max_independent_frames = 100;
@@ -44,14 +37,12 @@ struct BiasEstimatorOptions {
   // A free sensor is not clearly off its bias, nor by more than so many of its smallest steps; 0.5 … 5. Too
   // small: drift ends the following. Too large: a light touch is followed.
   float near_steps = 1.5F;
-  // Rounding of single precision, of a reading; 1e-7 … 1e-5. Too small: a large offset never stands still.
-  // Too large: a touch beside a large offset is none.
-  float rounding = 1e-6F;
   // Fewer taxels show no shape of a contact; taxels, 4 … 50. Too small: offsets of a few taxels pass for a
   // contact. Too large: a touch of a small array is taken for its bias.
   std::size_t min_shape_taxels = 8;
-  // A sensor without a serial number that sent no frame for so long may have been exchanged; s, 0.3 … 2. Too
-  // small: lost frames make a check that a wide contact fails. Too large: a quick exchange goes unseen.
+  // A sensor without a serial number that sent no frame for so long may have been exchanged, and of a pause
+  // no more counts for following a drift; s, 0.3 … 2. Too small: lost frames make a check that a wide contact
+  // fails. Too large: a quick exchange goes unseen, and the first block after a pause moves the bias by much.
   double absent_s = 1;
   // Blocks in a row that read far below the zero before it is doubted; 1 … 10. Too small: a sensor that is
   // pulled at for a moment is without a zero. Too large: the doubt comes late.

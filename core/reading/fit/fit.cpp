@@ -70,7 +70,7 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
   at[radius] = a;
   at[height] = 1.5 * patch.normal_n / (std::numbers::pi * a * a * a);
   at[load] = ratio.load;
-  at[margin] = std::clamp(gamma_of_moment_ratio(ratio.value), options_.min_start, options_.max_start);
+  at[margin] = options_.away_from_ends(gamma_of_moment_ratio(ratio.value));
   return at;
 }
 
@@ -157,7 +157,7 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   int used = 0;
   for (const auto& ring : rings) {
     if (ring.taxels < 1) continue;
-    const double uneven = options_.uneven_share * ring.held,
+    const double uneven = kUnevenShare * ring.held,
                  noise = frame_.noise_shear_pa * frame_.noise_shear_pa * ring.taxels;
     sums.by_noise += ring.off * ring.off / noise;
     sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
@@ -187,7 +187,7 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
   for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
   const double free = static_cast<double>(parts.size()) - kFitted;
   const double by_noise = frame_.noise_normal_pa * frame_.noise_normal_pa;
-  if (sum < (free + options_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
+  if (sum < (free + kClearSigmas * std::sqrt(2 * free)) * by_noise) return 0;
   return std::sqrt((sum - free * by_noise) / static_cast<double>(samples_.count())) /
          (at[height] * at[radius]);
 }
@@ -216,7 +216,7 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
     samples_.average(kStickShares[j] * at[radius], at[center_x], at[center_y], stick_.value);
     ring = (whole - ring) * (at[height] / (1 - gamma));
     const double squares = ring.square().sum(), product = (ring * q).sum();
-    const double t = std::max(options_.min_traction_ratio, product / squares);
+    const double t = std::max(kLeastTraction, product / squares);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] =
         share * 0.5 * (t * t * squares - 2 * t * product) / (frame_.noise_shear_pa * frame_.noise_shear_pa);
@@ -290,7 +290,7 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& o
   const double load_sigmas = at[load] / std::sqrt(load_variance);
   if (!(load_sigmas > kClearSigmas)) return false;
   out.gamma = at[margin];
-  out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
+  out.sigma = load_sigmas > kStrongSigmas ? std::sqrt(variance) : 1;
   const double utilisation = 1 - out.gamma;
   out.friction = at[load] / utilisation;
   out.friction_sigma = out.sigma < kKnownFrictionShare * utilisation
@@ -332,7 +332,7 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   const HertzDeviationOptions& deviation = options_.ratio.deviation;
   const RingMisfit misfit = ring_misfit(at);
   out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < kMaxRingMisfit;
-  if (out.sigma > options_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
+  if (out.sigma > kOpenSigma) weigh_by_prior(at, minimum.hessian, out);
   // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
   const double uneven = misfit.by_noise > kMaxRingMisfit ? options_.uneven_sigma : 0;
   const double unlike =

@@ -1,6 +1,8 @@
 // How the contact model is fitted to taxels: what Fit and SubsurfaceFit share.
 #pragma once
 
+#include <algorithm>
+
 #include "core/reading/method/friction_prior.hpp"
 #include "core/reading/moments/moments.hpp"
 
@@ -24,10 +26,12 @@ struct FitOptions {
   // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
   double min_gamma = 1e-6;
   double max_gamma = 1 - 1e-4;
-  // Range of Gamma from which it starts; within the one above. Too wide: it starts where slopes vanish, and
-  // does not converge. Too narrow: more steps.
-  double min_start = 0.05;
-  double max_start = 0.95;
+  // It starts at least this far from no margin and from no load; Gamma, 0.01 … 0.2. Too small: it starts
+  // where slopes vanish, and does not converge. Too large: more steps.
+  double start_within = 0.05;
+  double away_from_ends(double gamma) const noexcept {
+    return std::clamp(gamma, start_within, 1 - start_within);
+  }
   // The most by which one step may change the radius; factor, 1.1 … 10. Too small: more steps. Too large: a
   // wild step leaves the taxels.
   double max_radius_factor = 2;
@@ -47,33 +51,18 @@ struct FitOptions {
   // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
   double elliptic_from = 0.1;
 
-  // What a real skin deviates, ring by ring, of mu p; 0 … 0.1. Too small: real skins are refused. Too large:
-  // other histories pass.
-  double uneven_share = 0.02;
   // Sigma of Gamma of a frame that only such a skin explains; Gamma, 0 … 0.2. Too small: sigma is less than
   // the error. Too large: such frames are wasted.
   double uneven_sigma = 0.03;
-  // Residual pressure counts from this many standard deviations of its sum of squares on; 1 … 10. Too small:
-  // noise widens sigma. Too large: a tilted contact passes for a round one.
-  double clear_sigmas = 4;
-  // Sigma of Gamma over that residual as a share of the peak; 0 … 5. Too small: sigma is less than the error
-  // on contacts that are not Hertz's. Too large: it is more.
+  // Sigma of Gamma over a residual pressure that is clear, as a share of the peak; 0 … 5. Too small: sigma is
+  // less than the error on contacts that are not Hertz's. Too large: it is more.
   double pressure_sigma = 0.9;
   // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
   double friction_sigma_factor = 2;
 
-  // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
-  // costs time. Too large: the likelihood is no parabola any more.
-  double open_sigma = 0.04;
-  // Standard deviations by which Q/P is above 0 below which the whole profile is weighed with the prior, as
-  // such a field has several minima; 3 … 30. Too small: a light pull is read as gross slip. Too large: costs
-  // time.
-  double faint_load_sigmas = 10;
   // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
   // small: profiles of small contacts have no weight. Too large: they have too much.
   double min_profile_share = 0.1;
-  // The least traction ratio of a profile's point; 1e-9 … 1e-3. Keeps its friction above 0.
-  double min_traction_ratio = 1e-6;
 
   // Those of method `block-fit`.
   static FitOptions in_blocks() {

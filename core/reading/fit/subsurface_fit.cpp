@@ -65,9 +65,8 @@ SubsurfaceFit::Full SubsurfaceFit::start(const ContactPatch& patch, const Moment
   at[Model::size] = a;
   at[Model::depth] = depth_.now().mean;
   at[Model::peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
-  at[Model::margin] = depth_m_ > 0
-                          ? options_.start_gamma
-                          : std::clamp(gamma_of_moment_ratio(ratio.value), fit_.min_start, fit_.max_start);
+  at[Model::margin] =
+      depth_m_ > 0 ? options_.start_gamma : fit_.away_from_ends(gamma_of_moment_ratio(ratio.value));
   at[Model::along] = std::atanh(e) * std::cos(twice);
   at[Model::across] = std::atanh(e) * std::sin(twice);
   return at;
@@ -167,7 +166,7 @@ bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcep
   const double load_sigmas = at[Model::load] / std::sqrt(load_variance);
   if (!(load_sigmas > kClearSigmas)) return false;
   out.gamma = at[Model::margin];
-  out.sigma = load_sigmas > fit_.faint_load_sigmas ? std::sqrt(variance) : 1;
+  out.sigma = load_sigmas > kStrongSigmas ? std::sqrt(variance) : 1;
   const double utilisation = 1 - out.gamma;
   out.friction = at[Model::load] / utilisation;
   out.friction_sigma =
@@ -216,7 +215,7 @@ void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Readin
     std::array<double, 3> products;
     multiply_columns(std::array<const double*, 2>{shear_.data(), unsheared_.data()}, rows, products.data());
     const double square = products[0], product = products[1];
-    const double t = std::max(fit_.min_traction_ratio, product / square);
+    const double t = std::max(kLeastTraction, product / square);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
   }
@@ -230,7 +229,7 @@ void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio
   frame_.elliptic = shows_ellipse(ratio.deviation);
   best.at = start(patch, ratio);
   minimise(unknowns(), best);
-  if (best.at[Model::margin] < fit_.min_start || best.at[Model::margin] > fit_.max_start) {
+  if (const double gamma = best.at[Model::margin]; gamma != fit_.away_from_ends(gamma)) {
     Minimum other;
     other.at = start(patch, ratio);
     other.at[Model::margin] = options_.other_gamma;
@@ -253,7 +252,7 @@ void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio
 void SubsurfaceFit::fit_all(Minimum& best) noexcept {
   model_.use_all();
   // At an end of its range the margin has no slope to come back by.
-  best.at[Model::margin] = std::clamp(best.at[Model::margin], fit_.min_start, fit_.max_start);
+  best.at[Model::margin] = fit_.away_from_ends(best.at[Model::margin]);
   best.known = false;
   minimise(unknowns(), best);
   if (!best.converged) {  // from afar it takes another way
@@ -334,7 +333,7 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   if (!minimum.converged || !describe(minimum, out)) return;
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
-  if (out.sigma > fit_.open_sigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
+  if (out.sigma > kOpenSigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < kMaxRingMisfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = norm(out.common_sigma, margin_by_depth_ * depth_.now().sigma);

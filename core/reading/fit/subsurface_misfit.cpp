@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <span>
 
+#include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
+#include "core/reading/method/method.hpp"
 
 namespace slipd {
 
@@ -30,7 +32,7 @@ double SubsurfaceFit::residual_pressure(const Full& at) const noexcept {
   for (const Part& part : parts) squares += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
   const double fitted = frame_.elliptic ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
   const double by_noise = noise_pa * noise_pa;
-  if (squares < (free + fit_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
+  if (squares < (free + kClearSigmas * std::sqrt(2 * free)) * by_noise) return 0;
   return std::sqrt((squares - free * by_noise) / static_cast<double>(model_.count())) /
          at[ContactShape::peak];
 }
@@ -64,7 +66,7 @@ double SubsurfaceFit::ring_misfit(const Full& at, std::span<const double> held) 
   int used = 0;
   for (const Ring& ring : rings) {
     if (ring.taxels < 1) continue;
-    const double uneven = fit_.uneven_share * ring.held;
+    const double uneven = kUnevenShare * ring.held;
     misfit += ring.off * ring.off / (noise_pa * noise_pa * ring.taxels + uneven * uneven);
     ++used;
   }

@@ -23,6 +23,15 @@ inline constexpr double kFewTermsFloor = 0.01;
 // likelihood is no parabola.
 inline constexpr double kKnownFrictionShare = 0.5;
 
+// Sigma of Gamma beyond which a frame gives its whole profile; 0.005 … 0.3. Too small: costs time, and frames
+// whose error is common count too much. Too large: the likelihood is no parabola any more.
+inline constexpr double kOpenSigma = 0.04;
+
+// What the shear of a real skin deviates from the model, ring by ring and in its moments: of the shear,
+// standard deviation; 0.005 … 0.1. Too small: real skins are refused, and the model's error refutes the right
+// friction. Too large: other histories pass, and frictions are not distinguished.
+inline constexpr double kUnevenShare = 0.02;
+
 // How little each margin fits a frame: half the squared misfit in units of noise, Gamma = (j + 1/2)/kSteps,
 // the least is 0. The scene's expectations are not in it.
 struct MarginProfile {

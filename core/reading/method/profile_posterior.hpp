@@ -9,6 +9,9 @@
 
 namespace slipd {
 
+// The least traction ratio of a profile's point: its logarithm stays finite.
+inline constexpr double kLeastTraction = 1e-6;
+
 // The friction that each margin of a profile would need.
 using ProfileFriction = std::array<double, MarginProfile::kSteps>;
 

@@ -180,7 +180,7 @@ void PressureMaps::conclude(const ContactPatch& patch, const Trial& best, const 
   if (unexplained > options_.most_unexplained) return;
   weigh(out);
   if (!out.in_model) return;
-  if (out.sigma > options_.open_sigma && !skin_) give_profile(out);
+  if (out.sigma > kOpenSigma && !skin_) give_profile(out);
   const double by_model = norm(options_.least_sigma, options_.unexplained_sigma * unexplained);
   out.common_sigma = norm(by_model, out.sigma * std::sqrt(best.map_share));
   out.sigma = norm(out.sigma, by_model);

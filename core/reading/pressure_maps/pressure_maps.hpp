@@ -67,10 +67,6 @@ struct PressureMapsOptions {
   // quite still. By `slipd-lab coverage --methods closing --of histories`. Too small: sigma is less than the
   // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
-  // Sigma of Gamma beyond which the frame's whole profile is given, not under a skin; Gamma, 0.005 … 0.3. Too
-  // small: frames of one closing, whose error is common, count too much. Too large: the likelihood is no
-  // parabola any more.
-  double open_sigma = 0.02;
   // Under a skin, twice the log likelihood that another history gains, from which on no margin is given; 9
   // … 36. Too small: noise takes the margin away. Too large: a load that has turned back passes.
   double most_history_gain = 16;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
@@ -36,7 +37,7 @@ FrictionPlateau::FrictionPlateau(const TaxelLayout& layout, const FrictionPlatea
 void FrictionPlateau::collect(const ContactPatch& patch) noexcept {
   frame_.noise_normal_pa = patch.noise_normal_pa;
   frame_.noise_shear_pa = patch.noise_shear_pa;
-  const double least_pa = std::max(options_.least_sigmas * frame_.noise_normal_pa,
+  const double least_pa = std::max(kStandsOutSigmas * frame_.noise_normal_pa,
                                    options_.least_share * static_cast<double>(patch.peak_pa));
   const RatioTest test{
       .least_pa = static_cast<float>(least_pa),
@@ -79,7 +80,7 @@ FrictionPlateau::Plateau FrictionPlateau::find_plateau() const noexcept {
     last = ratio;
     const PlateauSums sums =
         kernels_.near(pressure_pa_.data(), ratio_.data(), frame_.stored, test_about(last));
-    if (sums.taxels < options_.least_taxels) return {};
+    if (sums.taxels < kFewInside) return {};
     ratio = last + sums.off / sums.weight;
     if (!(ratio > 0)) return {};
     if (std::fabs(ratio - last) < options_.settled_share * last) break;
@@ -113,9 +114,9 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   out.center_y_m = loaded.center_y_m;
   out.radius_m = loaded.radius_m;
   collect(loaded);
-  if (frame_.count < options_.least_taxels || !(loaded.normal_n > 0)) return out;
+  if (frame_.count < kFewInside || !(loaded.normal_n > 0)) return out;
   const Plateau plateau = find_plateau();
-  if (plateau.taxels < options_.least_taxels) return out;
+  if (plateau.taxels < kFewInside) return out;
   if (plateau.slope_sigma > 0) follow_slope(plateau.slope / plateau.slope_sigma);
   const double utilisation = loaded.shear_n / loaded.normal_n / plateau.ratio;
   out.gamma = std::clamp(1 - utilisation, 0.0, 1.0);

@@ -4,10 +4,12 @@
 // and the history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "core/frame/layout.hpp"
+#include "core/frame/significance.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/torque/torque_kernels.hpp"
@@ -17,9 +19,8 @@ namespace slipd {
 // Ratio: |q|/p of a taxel. Checked on frames of a solver that shares no equation with slipd, from pure force
 // to pure torque, on 8 x 8 to 32 x 32 taxels with 1 to 5 % of sensor noise.
 struct FrictionPlateauOptions {
-  // Pressure from which on a taxel counts: standard deviations of its noise, and share of the peak; 3 … 15, 0
-  // … 0.2. Too small: ratios are noise. Too large: the rim, which slips first, is left out.
-  double least_sigmas = 6;
+  // A taxel counts if its pressure stands out of the noise and is above this share of the peak; 0 … 0.2. Too
+  // small: ratios are noise. Too large: the rim, which slips first, is left out.
   double least_share = 0.05;
   // Of grids' contacts with more taxels than this every n-th row counts; 500 … 10000. Too small: more noise.
   // Too large: costs time.
@@ -37,18 +38,15 @@ struct FrictionPlateauOptions {
   // 1e-3, 5 … 50.
   double settled_share = 1e-4;
   int most_steps = 20;
-  // Fewer taxels than this are no plateau; 6 … 40. Too small: chance makes one. Too large: heavy loads alone
-  // are answered.
-  std::size_t least_taxels = 12;
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;
-  // A plateau's ratios rise with pressure, and so fall towards the rim, if that slope over its standard
-  // deviation is above this in the mean of frames; 0.2 … 1.5. Too small: friction that fell after a regrip is
+  // A plateau's ratios rise with pressure, and so fall towards the rim, if the mean over frames of that slope
+  // is clear. Gain of the mean, frame by frame; 0.02 … 0.5. Too small: friction that fell after a regrip is
   // seen late. Too large: ratios that stick after a regrip or a reversal are read as friction.
-  double rising_sigmas = 0.4;
-  // Gain of that mean, frame by frame; 0.02 … 0.5. Too small and too large: noise decides, or earlier loads.
   double slope_gain = 0.1;
+  // Of the mean of slopes that chance makes, over that of one.
+  double slope_sigma() const noexcept { return std::sqrt(slope_gain / (2 - slope_gain)); }
   // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
@@ -81,7 +79,7 @@ class FrictionPlateau {
   // Whether all of the contact slipped in the last frame.
   bool all_slipped() const noexcept { return frame_.all_slipped; }
   // Whether ratios fell towards the rim in the last frames: they are of taxels that stick.
-  bool rising() const noexcept { return slope_.mean > options_.rising_sigmas; }
+  bool rising() const noexcept { return slope_.mean > kClearSigmas * options_.slope_sigma(); }
   // A new grasp.
   void forget() noexcept { slope_ = {}; }
 

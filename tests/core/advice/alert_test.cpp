@@ -292,17 +292,18 @@ std::optional<double> forecast_of(double slope, int samples, std::int64_t step_n
   return last;
 }
 
-TEST(SlipForecast, NeedsTheWeightOfThreeRecentSamples) {
-  EXPECT_FALSE(forecast_of(5, 3));
-  EXPECT_TRUE(forecast_of(5, 4));
-  // Six samples, 7 ms apart, have a weight of 2.97, and seven of 3.09.
-  EXPECT_FALSE(forecast_of(2, 6, 7 * kMs));
-  EXPECT_TRUE(forecast_of(2, 7, 7 * kMs));
+TEST(SlipForecast, NeedsTheWeightOfMoreThanTwoRecentSamples) {
+  EXPECT_FALSE(forecast_of(5, 2));
+  EXPECT_TRUE(forecast_of(5, 3));
+  // Samples 14 ms apart weigh 1.99 together at most, and those 13 ms apart 2.09.
+  EXPECT_FALSE(forecast_of(2, 100, 14 * kMs));
+  EXPECT_TRUE(forecast_of(2, 100, 13 * kMs));
 }
 
-TEST(SlipForecast, AFallSlowerThanAThousandthASecondIsNone) {
-  EXPECT_FALSE(forecast_of(0.95e-3, 100));
-  EXPECT_TRUE(forecast_of(1.05e-3, 100));
+// The surest margin has a sigma of 5e-4, a tenth of which over 0.0906 s is that of a slope; see below.
+TEST(SlipForecast, AFallThatTheSurestMarginDoesNotShowIsNone) {
+  EXPECT_FALSE(forecast_of(1.6e-3, 200));
+  EXPECT_TRUE(forecast_of(1.7e-3, 200));
 }
 
 // The scatter of margins may be smaller than their error. At least a tenth of their sigma is therefore taken
