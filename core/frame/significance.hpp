@@ -14,9 +14,9 @@ inline constexpr double kClearSigmas = 3;
 // small: noise is taken for a contact. Too large: light contacts are missed.
 inline constexpr double kStandsOutSigmas = 5;
 
-// A load shows friction, and a single minimum, if it exceeds this many; 5 … 20. Too small: noise shows a
-// friction that no object has, and a light pull is read as gross slip. Too large: friction is learnt late, on
-// few taxels above all.
+// A load shows friction, its direction, a single minimum and what one frame changes if it exceeds this many;
+// 5 … 20. Too small: noise shows a friction that no object has or a jump, and a light pull is read as gross
+// slip. Too large: friction is learnt late, on few taxels above all, and light contacts are not compared.
 inline constexpr double kStrongSigmas = 10;
 
 }  // namespace slipd

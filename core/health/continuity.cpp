@@ -99,7 +99,7 @@ void Continuity::skip(std::int64_t time_ns) noexcept {
 
 Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
                           std::size_t probes, const ContinuityOptions& options) noexcept {
-  const bool clear = patch.in_contact && patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
+  const bool clear = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
   const bool directed = clear && patch.shear_n > 0 && patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n;
   const double step_s = kSecondsPerNano * static_cast<double>(time_ns - last_ns_);
   const bool regular =

@@ -12,10 +12,6 @@
 
 namespace slipd {
 
-// Contacts are compared, with each other and with the scene's, if their forces are above so many standard
-// deviations; 5 … 100. Too small: noise is taken for a jump. Too large: light contacts are not compared.
-inline constexpr double kComparedSigmas = 20;
-
 // What is wrong by this factor is no contact, but a wrong unit; 5 … 100. Too small: quick grips of flat
 // skins, or contacts unlike a sphere, are called faults. Too large: a wrong unit is believed.
 inline constexpr double kWrongScale = 30;

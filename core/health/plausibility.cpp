@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -106,7 +107,7 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
 // Hertz: a^3 = 3 R P/(4 E*), whose factor the scene bounds. Contacts of other shapes are within kWrongScale.
 void PlausibilityMonitor::judge_size(const ContactPatch& patch) noexcept {
   if (!patch.in_contact || patch.cut || limits_.least_m3_per_n <= 0) return;
-  if (patch.normal_n < kComparedSigmas * patch.normal_sigma_n) return;
+  if (patch.normal_n < kStrongSigmas * patch.normal_sigma_n) return;
   const double volume_m3 = patch.radius_m * patch.radius_m * patch.radius_m;
   const bool sized = patch.radius_m > options_.least_sized_sides * layout_.side_m();
   const bool small = sized && patch.normal_n * limits_.greatest_m3_per_n * kWrongScale < volume_m3;
@@ -155,7 +156,7 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
   } else if (patch.normal_n * kFallen < last_normal_n_) {
     fallen_from_n_ = last_normal_n_;
   }
-  const bool clear = patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
+  const bool clear = patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
   const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
   const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
   if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
@@ -305,7 +306,7 @@ void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch
   last_radius_m_ = patch.radius_m;
   last_peak_pa_ = patch.frame_peak_pa;
   last_least_pa_ = patch.frame_least_pa;
-  last_clear_ = patch.in_contact && patch.normal_n > kComparedSigmas * patch.normal_sigma_n;
+  last_clear_ = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
 }
 
 // A fault lasts until good_frames have passed.

@@ -47,14 +47,14 @@ std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
                                          const MarginOverTimeOptions& options) {
   return std::make_unique<FrictionByShape>(
       prior_of(friction, options.prior),
-      bounded(options.filter, shaped_bounds(friction), options.shaped_slack));
+      bounded(options.filter, shaped_bounds(friction), options.prior.given_spread));
 }
 
 std::unique_ptr<FrictionFilter> by_pillars(const TaxelLayout& layout, const FrictionKnowledge& friction,
                                            const MarginOverTimeOptions& options) {
   return std::make_unique<FrictionByPillars>(
       layout, prior_of(friction, options.prior),
-      bounded(options.filter, shaped_bounds(friction), options.shaped_slack));
+      bounded(options.filter, shaped_bounds(friction), options.prior.given_spread));
 }
 
 // Shear that a torque has changed.

@@ -21,10 +21,10 @@ struct MarginOverTimeOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
 
-  // How far the grid reaches beyond the range that was given, or that the scene expects: of sensors whose
-  // frames have a shape, and of force-only ones; of log mu, 0.01 … 0.3. Friction itself is given within the
-  // range. Too small: a friction at the range's end has no room for noise. Too large: the range is no bound.
-  double shaped_slack = 0.1;
+  // How far the grid of a force-only sensor reaches beyond the range that was given, or that the scene
+  // expects; of log mu, 0.01 … 0.3. Of others it is FrictionPriorOptions::given_spread. Friction itself is
+  // given within the range. Too small: a friction at the range's end has no room for noise. Too large: the
+  // range is no bound.
   double force_only_slack = 0.02;
 
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice

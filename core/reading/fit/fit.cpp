@@ -199,7 +199,7 @@ double Fit::profile_share(const Square& hessian) const noexcept {
   const double held =
       1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
   const double share = held / free;  // not a number where nothing shows the margin at all
-  return share < 1 ? std::max(share, options_.min_profile_share) : 1;
+  return share < 1 ? share : 1;
 }
 
 // Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is
@@ -340,7 +340,7 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   const double model_sigma = norm(uneven, unlike);
   out.sigma = norm(out.sigma, model_sigma);
   out.common_sigma = model_sigma;
-  out.friction_sigma = norm(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
+  out.friction_sigma = norm(out.friction_sigma, model_sigma / (1 - out.gamma) * out.friction);
 }
 
 }  // namespace slipd

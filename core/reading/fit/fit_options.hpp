@@ -51,18 +51,12 @@ struct FitOptions {
   // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
   double elliptic_from = 0.1;
 
-  // Sigma of Gamma of a frame that only such a skin explains; Gamma, 0 … 0.2. Too small: sigma is less than
-  // the error. Too large: such frames are wasted.
+  // Sigma of Gamma of a frame that only an uneven skin explains (kUnevenShare); Gamma, 0 … 0.2. Too small:
+  // sigma is less than the error. Too large: such frames are wasted.
   double uneven_sigma = 0.03;
   // Sigma of Gamma over a residual pressure that is clear, as a share of the peak; 0 … 5. Too small: sigma is
   // less than the error on contacts that are not Hertz's. Too large: it is more.
   double pressure_sigma = 0.9;
-  // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
-  double friction_sigma_factor = 2;
-
-  // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
-  // small: profiles of small contacts have no weight. Too large: they have too much.
-  double min_profile_share = 0.1;
 
   // Those of method `block-fit`.
   static FitOptions in_blocks() {

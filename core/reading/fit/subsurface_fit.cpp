@@ -201,7 +201,7 @@ void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Readin
                                                                        hessian(Model::load, Model::margin) /
                                                                        hessian(Model::load, Model::load));
   const double kept = held / covariance(Model::margin, Model::margin);
-  const double share = kept > 0 && kept < 1 ? std::max(kept, fit_.min_profile_share) : 1;
+  const double share = kept > 0 && kept < 1 ? kept : 1;
   const std::size_t rows = 3 * model_.count();
   const Sheet& outer = model_.show(at, profile_detail());
   const auto residuals = model_.residuals();
@@ -232,7 +232,7 @@ void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio
   if (const double gamma = best.at[Model::margin]; gamma != fit_.away_from_ends(gamma)) {
     Minimum other;
     other.at = start(patch, ratio);
-    other.at[Model::margin] = options_.other_gamma;
+    other.at[Model::margin] = fit_.away_from_ends(1);
     minimise(unknowns(), other);
     best.current = false;
     if (other.normal.cost < best.normal.cost) best = other;
@@ -339,7 +339,7 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   if (depth_.open()) out.common_sigma = norm(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
   out.common_sigma = norm(out.common_sigma, layer_sigma(at));
   out.sigma = norm(out.sigma, out.common_sigma);
-  out.friction_sigma = norm(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);
+  out.friction_sigma = norm(out.friction_sigma, out.common_sigma / (1 - out.gamma) * out.friction);
 }
 
 void FewTaxelsSubsurfaceFit::read(const ContactPatch& /*patch*/, const Minimum& minimum,

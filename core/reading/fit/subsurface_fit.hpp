@@ -43,10 +43,9 @@ struct SubsurfaceFitOptions {
   double start_spread = 1.8;
   // What it adds to the measured Q/P, over that, for a depth of one radius; 0 … 5. As above.
   double start_load = 2.2;
-  // Gamma from which the fit starts under a skin, and from which it starts anew if it ends at an end of the
-  // range; Gamma, within FitOptions' range.
+  // Gamma from which the fit starts under a skin, and at least start_within from its ends. If it ends at one
+  // it starts anew from the upper.
   double start_gamma = 0.5;
-  double other_gamma = 0.9;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;

@@ -131,7 +131,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
-  const double open = kClearSigmas * ratio.sigma + options_.range_slack;
+  const double open = kClearSigmas * ratio.sigma;  // more is no monotonic load's
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = ratio.gamma;
   const double per_ratio = gamma_per_moment_ratio(std::cbrt(out.gamma)),

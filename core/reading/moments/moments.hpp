@@ -73,10 +73,6 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
 // Checked with `slipd-lab tradeoff --no-models`, rows of moments.
 struct MomentsOptions {
   MomentRatioOptions ratio;
-
-  // A ratio that is clearly outside 1 … 5/3, by its noise and this much more, is no monotonic load's; 0 …
-  // 0.2. Too small: frames near gross slip and near no load are unanswered. Too large: other histories pass.
-  double range_slack = 0.03;
 };
 
 class Moments final : public SlipMethod {
