@@ -76,7 +76,7 @@ struct FrictionFilterOptions {
   // Mean of least squared residuals from which no margin is given; 1.2 … 9, below 1 where all is understood.
   double max_mean_residual = 2;
 
-  // A shear that ends below min_shear_sigmas got there in steps of less than this from frame to frame, of mu
+  // A shear that ends below kStrongSigmas got there in steps of less than this from frame to frame, of mu
   // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
   // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
   double max_lost_step = 0.45;

@@ -30,7 +30,7 @@ constexpr std::uint32_t kSteadyFrames = 8;
 constexpr std::size_t kLinesLearnt = 8;
 
 // The normal force of a contact does not fall by this factor in one frame and stay.
-constexpr double kFallen = kWrongScale * kWrongScale;
+const double kFallen = kWrongScale * kWrongScale;
 
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;

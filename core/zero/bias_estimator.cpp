@@ -13,7 +13,7 @@ namespace {
 
 // Two blocks stand still if no channel's means differ by more standard errors than this, and a sensor without
 // a bias reads 0 within it.
-constexpr auto kStillErrors = static_cast<float>(kStandsOutSigmas);
+const auto kStillErrors = static_cast<float>(kStandsOutSigmas);
 // What sums in single precision leave of a reading.
 constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
 
