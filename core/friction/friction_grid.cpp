@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/numeric/norm.hpp"
@@ -34,7 +35,7 @@ void FrictionGrid::reset() noexcept {
 void FrictionGrid::assign(std::span<const double> weights) noexcept {
   const auto these = weights.first(count_);
   const double sum = std::accumulate(these.begin(), these.end(), 0.0);
-  if (!(sum > 0)) {
+  if (!(sum >= std::numeric_limits<double>::min())) {  // else its inverse is not finite
     reset();
     return;
   }

@@ -35,7 +35,7 @@ class FrictionGrid {
 
   // Back to the prior.
   void reset() noexcept;
-  // New weights, >= 0, of which only the ratios count. Without any above 0: back to the prior.
+  // New weights, >= 0, of which only the ratios count. Without any to speak of: back to the prior.
   void assign(std::span<const double> weights) noexcept;
 
   std::size_t count() const noexcept { return count_; }
