@@ -27,8 +27,8 @@ struct GelRelaxationOptions {
   // … 25. Too small: shaking is a slip. Too large: told late, and settling of a new grip is a slip. By the
   // shared trials.
   std::size_t pictures = 12;
-  // Of the past, at least so many.
-  std::size_t least_past() const noexcept { return pictures / 2; }
+  // Of the past, at least so many, nearly half: slips soon after the start are not missed.
+  std::size_t least_past() const noexcept { return (pictures - 1) / 2; }
   // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts
   // show nothing. Chosen: what a dot at rest wanders by, 0.04 px or 2.5 um.
   double noise_mm = 0.003;
