@@ -22,9 +22,8 @@ constexpr float place(std::size_t i) noexcept {
   return static_cast<float>(i) + 0.5F;
 }
 
-double edge_of(double normal_n) noexcept {
-  const double radius = std::cbrt(normal_n);
-  return radius * radius;
+double square(double x) noexcept {
+  return x * x;
 }
 
 }  // namespace
@@ -56,7 +55,7 @@ void WinklerFoundations::reach(double radius) noexcept {
   if (radius <= step_ * static_cast<double>(kSprings)) return;
   const double step = kSpare * radius / static_cast<double>(kSprings), ratio = step_ > 0 ? step / step_ : 0;
   step_ = step;
-  pressed_ = pressed_by(normal_n_);
+  pressed_ = pressed_by(pressed_.radius);
   // Each is taken from further out: none is read after it is set.
   for (std::size_t i = 0; i < kSprings && ratio > 0; ++i) {
     const double at = ratio * (static_cast<double>(i) + 0.5) - 0.5;
@@ -73,13 +72,12 @@ void WinklerFoundations::reach(double radius) noexcept {
   }
 }
 
-// Each spring's is edge - x^2 where that is above 0.
-WinklerFoundations::Pressed WinklerFoundations::pressed_by(double normal_n) const noexcept {
-  const auto square = static_cast<float>(step_ * step_), edge = static_cast<float>(edge_of(normal_n));
-  Pressed out;
+// Each spring's load is radius^2 - x^2 where that is above 0.
+WinklerFoundations::Pressed WinklerFoundations::pressed_by(double radius) const noexcept {
+  const auto unit = static_cast<float>(square(step_)), edge = static_cast<float>(square(radius));
+  Pressed out{.radius = radius};
 #pragma omp simd
-  for (std::size_t i = 0; i < kSprings; ++i)
-    out.rest[i] = std::max(edge - square * place(i) * place(i), 0.0F);
+  for (std::size_t i = 0; i < kSprings; ++i) out.rest[i] = std::max(edge - unit * place(i) * place(i), 0.0F);
   for (const float rest : out.rest) {
     out.sum += rest;
     out.touching += rest > 0 ? 1 : 0;
@@ -88,11 +86,11 @@ WinklerFoundations::Pressed WinklerFoundations::pressed_by(double normal_n) cons
 }
 
 // What a spring carries is at most what it could before.
-void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double edge_before) noexcept {
+void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double radius_before) noexcept {
   const double per_newton = pressed_.sum / normal_n_;
   PerBed<float> goal;
   for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(carried_n_[j] * per_newton);
-  const auto far = static_cast<float>(edge_of(normal_n_) + edge_before);
+  const auto far = static_cast<float>(square(pressed_.radius) + square(radius_before));
   kernels_->settle(loads_[0].data(), pressed_.rest.data(), pressed_.touching,
                    {goal.data(), kNear * pressed_.sum, far}, which.data(), vectors_);
 }
@@ -103,8 +101,8 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
     return;
   }
   if (normal_n == normal_n_ && shear_n == asked_n_ && !any_taken_over_) return;
-  const double d_normal = normal_n - normal_n_, edge_before = edge_of(normal_n_);
-  reach(std::cbrt(normal_n));
+  const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n);
+  reach(radius);
   PerBed<float> slope{};
   PerBed<std::int32_t> slips = taken_over_;
   bool any_sticks = false, any_slips = any_taken_over_;
@@ -119,7 +117,7 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
     any_slips |= !sticks;
     carried_n_[j] = target_n;
   }
-  const Pressed before = std::exchange(pressed_, pressed_by(normal_n));
+  const Pressed before = std::exchange(pressed_, pressed_by(radius));
   if (any_sticks) {  // the new ring takes its share
     Rest grown;
     for (std::size_t i = 0; i < kSprings; ++i) grown[i] = pressed_.rest[i] - before.rest[i];
@@ -127,7 +125,7 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
   }
   normal_n_ = normal_n;
   asked_n_ = shear_n;
-  if (any_slips) settle(slips, edge_before);
+  if (any_slips) settle(slips, before.radius);
   if (any_taken_over_) taken_over_ = {};
   any_taken_over_ = summed_ = false;
 }

@@ -56,17 +56,18 @@ class WinklerFoundations {
   using PerBed = std::array<T, kMost>;
   using Rest = std::array<float, WinklerKernels::kSprings>;
 
-  // The normal load of each spring and of all of them.
+  // The contact's radius, and the normal load of each spring and of all of them.
   struct Pressed {
+    double radius = 0;
     Rest rest{};
     float sum = 0;
     std::size_t touching = 0;  // the first springs
   };
 
   void reach(double radius) noexcept;
-  Pressed pressed_by(double normal_n) const noexcept;
+  Pressed pressed_by(double radius) const noexcept;
   void take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
-  void settle(const PerBed<std::int32_t>& which, double edge_before) noexcept;
+  void settle(const PerBed<std::int32_t>& which, double radius_before) noexcept;
   void sum_up() const noexcept;
 
   const WinklerKernels* kernels_;

@@ -43,8 +43,8 @@ struct SubsurfaceFitOptions {
   double start_spread = 1.8;
   // What it adds to the measured Q/P, over that, for a depth of one radius; 0 … 5. As above.
   double start_load = 2.2;
-  // Gamma from which the fit starts under a skin, and at least start_within from its ends. If it ends at one
-  // it starts anew from the upper.
+  // Gamma from which the fit starts under a skin. If it ends nearer to 0 or 1 than FitOptions::start_within
+  // it starts anew, as far from 1; 0.1 … 0.9. Too small and too large: more steps.
   double start_gamma = 0.5;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.

@@ -127,7 +127,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
-  const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
+  const MomentRatio ratio = moment_ratio(patch, layout_, options_);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
@@ -135,7 +135,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = ratio.gamma;
   const double per_ratio = gamma_per_moment_ratio(std::cbrt(out.gamma)),
-               deviation = ratio.deviation.sigma(options_.ratio.deviation);
+               deviation = ratio.deviation.sigma(options_.deviation);
   out.sigma = norm(per_ratio * ratio.sigma, deviation);
   out.common_sigma = norm(per_ratio * ratio.common_sigma, deviation);
   const double utilisation = std::max(kNoShear, 1 - out.gamma);
@@ -143,7 +143,7 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
   out.friction_sigma = out.sigma < kKnownFrictionShare * utilisation
                            ? out.friction * norm(out.sigma / utilisation, patch.shear_sigma_n / patch.shear_n)
                            : std::numeric_limits<double>::infinity();
-  out.in_model = ratio.deviation.hertzian(options_.ratio.deviation) &&
+  out.in_model = ratio.deviation.hertzian(options_.deviation) &&
                  monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < kMaxRingMisfit;
   return out;
 }

@@ -70,14 +70,9 @@ struct MomentRatio {
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;
 
-// Checked with `slipd-lab tradeoff --no-models`, rows of moments.
-struct MomentsOptions {
-  MomentRatioOptions ratio;
-};
-
 class Moments final : public SlipMethod {
  public:
-  explicit Moments(const TaxelLayout& layout, const MomentsOptions& options = {})
+  explicit Moments(const TaxelLayout& layout, const MomentRatioOptions& options = {})
       : layout_(layout), options_(options) {}
   Method name() const noexcept override { return Method::moments; }
   MethodSettings settings() const noexcept override {
@@ -89,7 +84,7 @@ class Moments final : public SlipMethod {
 
  private:
   const TaxelLayout layout_;
-  const MomentsOptions options_;
+  const MomentRatioOptions options_;
 };
 
 }  // namespace slipd
