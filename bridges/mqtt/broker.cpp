@@ -76,7 +76,7 @@ Broker::Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::s
     : loop_(loop),
       listener_(std::move(listener)),
       limits_(limits),
-      name_(settings.host + ":" + std::to_string(settings.port)),
+      name_(settings.name()),
       client_(mosquitto_new(client_id.c_str(), true, this)),
       begun_(Clock::now()),
       version_(version),

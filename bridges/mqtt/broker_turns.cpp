@@ -4,8 +4,8 @@
 
 namespace slipd::mqtt {
 
-BrokerTurns::BrokerTurns(std::size_t brokers, TurnOptions options)
-    : options_(options), brokers_(brokers), pause_(options.first_pause) {}
+BrokerTurns::BrokerTurns(std::size_t brokers, TurnOptions options, std::size_t first)
+    : options_(options), brokers_(brokers), current_(first), pause_(options.first_pause) {}
 
 std::chrono::milliseconds BrokerTurns::lost(std::chrono::milliseconds held, double random) {
   current_ = (current_ + 1) % brokers_;

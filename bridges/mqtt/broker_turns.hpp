@@ -19,8 +19,8 @@ struct TurnOptions {
 
 class BrokerTurns {
  public:
-  // `brokers`: at least 1.
-  explicit BrokerTurns(std::size_t brokers, TurnOptions options = {});
+  // `brokers`: at least 1. `first`: the one that is tried first, less than `brokers`.
+  explicit BrokerTurns(std::size_t brokers, TurnOptions options = {}, std::size_t first = 0);
 
   // The broker that is tried now, from 0.
   std::size_t current() const noexcept { return current_; }
@@ -33,7 +33,7 @@ class BrokerTurns {
  private:
   TurnOptions options_;
   std::size_t brokers_;
-  std::size_t current_ = 0;
+  std::size_t current_;
   std::size_t failed_ = 0;  // in this round
   std::chrono::milliseconds pause_;
 };

@@ -47,7 +47,8 @@ Publisher::Publisher(Settings settings, std::string version, bridges::Loop& loop
       version_(std::move(version)),
       loop_(loop),
       store_(settings_.store, settings_.max_alerts),
-      turns_(settings_.brokers.size()),
+      tried_(settings_.store.string() + ".broker"),
+      turns_(settings_.brokers.size(), {}, first_broker()),
       random_(std::random_device{}()),
       states_({silence(), settings_.summary}),
       progress_at_(Clock::now()),
@@ -244,8 +245,23 @@ void Publisher::say_states() {
     saying_.start(std::max(Clock::duration(0), next - Clock::now()));
 }
 
+// The one after that at which this program ended without meaning to: a start at it would end the same way.
+std::size_t Publisher::first_broker() const {
+  if (!tried_.left_behind()) return 0;
+  const auto& brokers = settings_.brokers;
+  const auto left = std::find_if(brokers.begin(), brokers.end(), [&](const BrokerSettings& broker) {
+    return broker.name() == *tried_.left_behind();
+  });
+  if (left == brokers.end()) return 0;
+  const std::size_t next = (static_cast<std::size_t>(left - brokers.begin()) + 1) % brokers.size();
+  log(LogLevel::warning,
+      left->name() + ": slipd-mqtt ended while it was there; " + brokers[next].name() + " has its turn");
+  return next;
+}
+
 void Publisher::connect() {
   const BrokerSettings& next = settings_.brokers[turns_.current()];
+  tried_.note(next.name());
   BrokerListener listener;
   listener.accepted = [this] { note_accepted(); };
   listener.acknowledged = [this](int message) { note_acknowledged(message); };
@@ -259,8 +275,7 @@ void Publisher::connect() {
 // All retained topics are published anew: the broker may be another one.
 void Publisher::note_accepted() {
   const BrokerSettings& broker = settings_.brokers[turns_.current()];
-  log(LogLevel::info, broker.host + ":" + std::to_string(broker.port) + ": accepted, " +
-                          std::to_string(store_.waiting()) + " alerts wait" +
+  log(LogLevel::info, broker.name() + ": accepted, " + std::to_string(store_.waiting()) + " alerts wait" +
                           (mqtt_ == MqttVersion::v5 ? "" : "; MQTT 3.1.1, so retained topics do not expire"));
   store_.flush();
   on_their_way_.clear();

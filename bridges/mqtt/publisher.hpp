@@ -21,6 +21,7 @@
 #include "bridges/mqtt/messages.hpp"
 #include "bridges/mqtt/settings.hpp"
 #include "bridges/mqtt/states.hpp"
+#include "bridges/mqtt/tried_broker.hpp"
 #include "bridges/support/feed.hpp"
 #include "bridges/support/program.hpp"
 
@@ -65,6 +66,7 @@ class Publisher : public bridges::Service {
   void lose_states();
   void say_states();
 
+  std::size_t first_broker() const;
   void connect();
   void note_accepted();
   void note_acknowledged(int message);
@@ -87,6 +89,7 @@ class Publisher : public bridges::Service {
   std::string version_;
   bridges::Loop& loop_;
   AlertStore store_;
+  TriedBroker tried_;
   BrokerTurns turns_;
   std::minstd_rand random_;
 

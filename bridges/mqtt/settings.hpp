@@ -32,6 +32,9 @@ struct BrokerSettings {
   std::optional<TlsSettings> tls;
   // Longest silence of the broker.
   std::chrono::seconds keepalive{15};
+
+  // "host:port", for people.
+  std::string name() const { return host + ":" + std::to_string(port); }
 };
 
 struct Settings {

@@ -1,6 +1,6 @@
 """A stand-in for slipd's socket: sensors with recorded-like estimates and alerts on command. One thread serves any number of sockets,
 so that hundreds of grippers fit on a machine."""
-import json, math, os, selectors, socket, threading, time
+import json, math, os, selectors, socket, struct, threading, time
 
 
 class FakeSlipd:
@@ -65,13 +65,15 @@ class FakeSlipd:
         self.send("alert", params)
         return params["seq"]
 
-    def subscribers(self):
+    def subscribers(self, process=None):
+        """How many there are; with the id of a process, of its own."""
         with self.lock:
-            return sum("estimate" in client["events"] for client in self.clients)
+            return sum("estimate" in client["events"] and process in (None, client["process"]) for client in self.clients)
 
     def _accept(self):
         connection, _ = self.listener.accept()
-        client = {"socket": connection, "input": b"", "events": ()}
+        process, _, _ = struct.unpack("3i", connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))
+        client = {"socket": connection, "process": process, "input": b"", "events": ()}
         with self.lock:
             self.clients.append(client)
         self.server.add(connection, lambda: self._read(client))

@@ -18,6 +18,13 @@ TEST(BrokerTurns, TriesAllBrokersBeforeItPauses) {
   EXPECT_EQ(turns.current(), 0U);
 }
 
+TEST(BrokerTurns, BeginAtTheBrokerThatTheyAreGiven) {
+  BrokerTurns turns(3, {}, 2);
+  EXPECT_EQ(turns.current(), 2U);
+  EXPECT_EQ(turns.lost({}, 0), milliseconds(0));
+  EXPECT_EQ(turns.current(), 0U);
+}
+
 TEST(BrokerTurns, PausesGrowToALimit) {
   BrokerTurns turns(1);
   milliseconds last(0);

@@ -1,5 +1,6 @@
-"""slipd-mqtt with brokers that misbehave: it leaves each of them for the next, keeps its alerts, and ends when it is asked to."""
-import os, socket, threading, time, unittest
+"""slipd-mqtt with brokers that misbehave: it leaves each of them for the next, keeps its alerts, and ends when it is asked to. Where what a
+broker sends ends the program itself, its service starts it anew, and it goes on with the next."""
+import os, random, socket, threading, time, unittest
 
 from awaiting import await_true
 from support import BridgeTest
@@ -91,8 +92,16 @@ def closes_in_a_packet(connection):
     connection.sendall(b"\x20\x02")
 
 
-def garbage(connection):
-    connection.sendall(os.urandom(4096))
+def garbage(seed):
+    def behave(connection):
+        connection.sendall(random.Random(seed).randbytes(4096))
+        silent(connection)
+    return behave
+
+
+def unknown_property(connection):
+    read_packet(connection)
+    connection.sendall(b"\x20\x05\x00\x00\x02\x7f\x00")
     silent(connection)
 
 
@@ -131,11 +140,13 @@ class Hostile(BridgeTest):
     def bridge(self, *brokers, **more):
         return self.bridge_of(self.slipd, brokers, **more)
 
-    def alerts_pass(self, behave):
-        """With a broker that behaves so and then a good one, alerts arrive in order at the good one."""
+    def alerts_pass(self, behave, ends_it=False):
+        """With a broker that behaves so and then a good one, alerts arrive in order at the good one. `ends_it`: the former ends slipd-mqtt."""
         published = []
         hostile, friendly = HostileBroker(behave), HostileBroker(good(published))
-        bridge = self.bridge(hostile, friendly)
+        bridge = self.bridge(hostile, friendly, restarts=ends_it)
+        if ends_it:
+            await_true(lambda: friendly.connections and self.slipd.subscribers(bridge.program.pid), "slipd-mqtt that was started anew")
         alerts = [self.slipd.alert("left") for _ in range(20)]
         def numbers():
             return [int(payload.split(b'"number":')[1].split(b",")[0]) for topic, payload in published if topic.endswith("/alert")]
@@ -143,6 +154,7 @@ class Hostile(BridgeTest):
         self.assertEqual(list(dict.fromkeys(numbers())), list(range(1, 21)))
         self.assertGreater(hostile.connections, 0)
         self.assertEqual(bridge.stop(), 0, bridge.log())
+        self.assertEqual("has its turn" in bridge.log(), ends_it, bridge.log())
 
     def test_closes_at_once(self):
         self.alerts_pass(closes_at_once)
@@ -151,7 +163,15 @@ class Hostile(BridgeTest):
         self.alerts_pass(closes_in_a_packet)
 
     def test_sends_garbage(self):
-        self.alerts_pass(garbage)
+        self.alerts_pass(garbage(1))
+
+    # As one of fourteen does.
+    def test_sends_garbage_that_ends_the_program(self):
+        self.alerts_pass(garbage(3), ends_it=True)
+
+    # libmosquitto 2.0.11 aborts. A start that went back to this broker would never get to the next.
+    def test_ends_the_program(self):
+        self.alerts_pass(unknown_property, ends_it=True)
 
     def test_refuses(self):
         self.alerts_pass(refuses)

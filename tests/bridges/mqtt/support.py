@@ -1,5 +1,5 @@
 """slipd-mqtt under test: a program on a FakeSlipd."""
-import json, os, subprocess, tempfile, unittest
+import json, os, subprocess, tempfile, threading, unittest
 
 from awaiting import PATIENCE_S, await_true
 from fake_slipd import FakeSlipd, Server
@@ -30,10 +30,11 @@ class Certificates:
 
 
 class Bridge:
-    """slipd-mqtt with these brokers. `within`: a command that runs it."""
+    """slipd-mqtt with these brokers. `within`: a command that runs it. `restarts`: it is started anew after a failure, as by its service."""
 
-    def __init__(self, folder, socket, brokers, host="gripper", within=(), **more):
+    def __init__(self, folder, socket, brokers, host="gripper", within=(), restarts=False, **more):
         self.within = within
+        self.ends = not restarts
         self.log_file = os.path.join(folder, host + ".log")
         self.settings = os.path.join(folder, host + ".json")
         with open(self.settings, "w") as file:
@@ -44,6 +45,11 @@ class Bridge:
     def start(self):
         with open(self.log_file, "a") as log:
             self.program = subprocess.Popen([*self.within, os.path.join(BUILD, "bin", "slipd-mqtt"), "--config", self.settings], stderr=log)
+        threading.Thread(target=self._watch, args=(self.program,), daemon=True).start()
+
+    def _watch(self, program):
+        if program.wait() != 0 and not self.ends:
+            self.start()
 
     def log(self):
         with open(self.log_file) as log:
@@ -54,6 +60,7 @@ class Bridge:
         return self.program.wait(PATIENCE_S)
 
     def kill(self):
+        self.ends = True
         self.program.kill()
         self.program.wait()
 
