@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "grip/gripper_thread.hpp"
+#include "grip/grippers/gripper_thread.hpp"
 #include "grip/gripper_watch.hpp"
 #include "grip/law.hpp"
 #include "grip/settings.hpp"

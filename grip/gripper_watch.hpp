@@ -7,7 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "grip/gripper.hpp"
+#include "grip/grippers/gripper.hpp"
+#include "grip/law.hpp"
 
 namespace slipd::grip {
 

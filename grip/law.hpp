@@ -11,6 +11,7 @@
 #include <deque>
 #include <optional>
 
+#include "grip/grippers/order.hpp"
 #include "grip/transitions.hpp"
 
 namespace slipd::grip {
@@ -68,15 +69,6 @@ struct Reading {
 };
 
 enum class Wish : std::uint8_t { none, open, close };
-enum class Move : std::uint8_t { stay, open, grip };
-
-struct Order {
-  Move move = Move::stay;
-  // Of each finger, N; of Move::grip.
-  double force_n = 0;
-  bool operator==(const Order&) const = default;
-};
-
 class Law {
  public:
   explicit Law(const LawSettings& settings) : settings_(settings) {}

@@ -1,5 +1,5 @@
 // `slipd-lab method-table`: measures the table that `auto` chooses by, and prints it as it stands in
-// core/chain/method_table_rows.inc. Of an optimised build, on a machine that does nothing else.
+// core/chain/setup/method_table_rows.inc. Of an optimised build, on a machine that does nothing else.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bridges/feed/message_reader.hpp"
 #include "bridges/feed/profile.hpp"
+#include "bridges/feed_lane/message_reader.hpp"
 
 namespace slipd::feed {
 

@@ -7,11 +7,11 @@
 #include <thread>
 #include <vector>
 
-#include "bridges/feed/lane.hpp"
 #include "bridges/feed/settings.hpp"
-#include "bridges/feed/teller.hpp"
 #include "bridges/feed/udp_source.hpp"
 #include "bridges/feed/websocket_source.hpp"
+#include "bridges/feed_lane/lane.hpp"
+#include "bridges/feed_lane/teller.hpp"
 #include "bridges/support/program.hpp"
 
 namespace slipd::feed {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "bridges/feed/message_reader.hpp"
 #include "bridges/feed/profile.hpp"
+#include "bridges/feed_lane/message_reader.hpp"
 
 namespace slipd::feed {
 

@@ -11,7 +11,7 @@
 
 #include "bridges/feed/address.hpp"
 #include "bridges/feed/assembler.hpp"
-#include "bridges/feed/lane.hpp"
+#include "bridges/feed_lane/lane.hpp"
 
 namespace slipd::feed {
 

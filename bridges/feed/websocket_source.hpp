@@ -12,7 +12,7 @@
 #include <string>
 
 #include "bridges/feed/address.hpp"
-#include "bridges/feed/lane.hpp"
+#include "bridges/feed_lane/lane.hpp"
 
 namespace slipd::feed {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "bridges/feed/lane.hpp"
+#include "bridges/feed_lane/lane.hpp"
 #include "bridges/feed_ros2/topic_profile.hpp"
 #include "bridges/ros2/dds/subscription.hpp"
 

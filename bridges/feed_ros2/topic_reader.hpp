@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "bridges/feed/message_reader.hpp"
+#include "bridges/feed_lane/message_reader.hpp"
 #include "bridges/feed_ros2/topic_profile.hpp"
 #include "bridges/ros2/messages/messages.hpp"
 

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "bridges/feed/lane.hpp"
-#include "bridges/feed/teller.hpp"
+#include "bridges/feed_lane/lane.hpp"
+#include "bridges/feed_lane/teller.hpp"
 #include "bridges/feed_ros2/settings.hpp"
 #include "bridges/feed_ros2/topic.hpp"
 #include "bridges/ros2/dds/cyclone_log.hpp"

@@ -80,7 +80,7 @@ class FleetProgram {
  private:
   void connect() {
     const BrokerSettings& broker = options_.settings.brokers[turns_.current()];
-    name_ = broker.host + ":" + std::to_string(broker.port);
+    name_ = broker.name();
     BrokerListener listener;
     listener.accepted = [this] { broker_->subscribe(fleet_.filters()); };
     listener.message = [this](std::string_view topic, std::string_view payload, bool retained) {

@@ -11,9 +11,9 @@
 #include <optional>
 #include <utility>
 
+#include "bridges/web/answers/recordings.hpp"
 #include "bridges/web/live_session.hpp"
 #include "bridges/web/page_files.hpp"
-#include "bridges/web/recordings.hpp"
 #include "bridges/web/serving.hpp"
 
 namespace slipd::web {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "bridges/support/log.hpp"
-#include "bridges/web/live_message.hpp"
-#include "bridges/web/picture.hpp"
+#include "bridges/web/answers/live_message.hpp"
+#include "bridges/web/answers/picture.hpp"
 
 namespace slipd::web {
 namespace {

@@ -17,7 +17,7 @@
 #include "bridges/support/bell.hpp"
 #include "bridges/support/loop.hpp"
 #include "bridges/support/program.hpp"
-#include "bridges/web/answer.hpp"
+#include "bridges/web/answers/answer.hpp"
 #include "bridges/web/server.hpp"
 #include "bridges/web/settings.hpp"
 

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "bridges/support/log.hpp"
-#include "bridges/web/live_message.hpp"
+#include "bridges/web/answers/live_message.hpp"
 #include "bridges/web/live_session.hpp"
 #include "bridges/web/serving.hpp"
 

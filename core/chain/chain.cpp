@@ -5,7 +5,7 @@
 #include "core/chain/displacement_chain.hpp"
 #include "core/chain/frame_chain.hpp"
 #include "core/chain/pressure_chain.hpp"
-#include "core/chain/sensor_kind.hpp"
+#include "core/chain/setup/sensor_kind.hpp"
 
 namespace slipd {
 namespace {

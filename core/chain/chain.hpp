@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/chain/setup.hpp"
+#include "core/chain/setup/setup.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/frame/frame.hpp"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/chain/method_table.hpp"
-#include "core/chain/sensor_kind.hpp"
+#include "core/chain/setup/method_table.hpp"
+#include "core/chain/setup/sensor_kind.hpp"
 #include "core/contact/hertz.hpp"
 #include "core/margin/margin_over_time.hpp"
 #include "core/reading/fit/fit.hpp"

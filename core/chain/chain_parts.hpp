@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/chain/setup.hpp"
+#include "core/chain/setup/setup.hpp"
 #include "core/health/limits.hpp"
 #include "core/margin/margin_source.hpp"
 #include "core/margin/surface_load.hpp"

@@ -4,7 +4,7 @@
 
 #include "core/chain/chain_parts.hpp"
 #include "core/chain/force_pipelines.hpp"
-#include "core/chain/sensor_kind.hpp"
+#include "core/chain/setup/sensor_kind.hpp"
 #include "core/chain/shaped_pipelines.hpp"
 
 namespace slipd {

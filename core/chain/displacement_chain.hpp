@@ -4,7 +4,7 @@
 
 #include "core/advice/alert.hpp"
 #include "core/chain/frame_chain.hpp"
-#include "core/chain/setup.hpp"
+#include "core/chain/setup/setup.hpp"
 #include "core/sliding/gel_relaxation.hpp"
 
 namespace slipd {

@@ -9,7 +9,7 @@
 #include "core/chain/chain_parts.hpp"
 #include "core/chain/contact_pipeline.hpp"
 #include "core/chain/pattern_observer.hpp"
-#include "core/chain/sensor_kind.hpp"
+#include "core/chain/setup/sensor_kind.hpp"
 #include "core/frame/significance.hpp"
 #include "core/health/plausibility.hpp"
 #include "core/margin/margin_bound.hpp"

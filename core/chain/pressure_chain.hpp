@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/chain/frame_chain.hpp"
-#include "core/chain/setup.hpp"
+#include "core/chain/setup/setup.hpp"
 #include "core/reading/method/trained_model.hpp"
 
 namespace slipd {

@@ -17,7 +17,7 @@ const std::map<std::string, MethodChoice>& method_choices();
 
 struct EstimatorSettings {
   MethodChoice method = MethodChoice::automatic;
-  // For `automatic`: time per frame, us, > 0; none: frame_budget_us (core/chain/method_table.hpp).
+  // For `automatic`: time per frame, us, > 0; none: frame_budget_us (core/chain/setup/method_table.hpp).
   std::optional<double> budget_us = std::nullopt;
   int rank = 8;             // SVD bases kept
   int neighbours = 5;       // k of KNN

@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 #include "core/frame/few_taxels.hpp"
 
 namespace slipd {

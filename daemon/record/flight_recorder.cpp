@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/record/recorded.hpp"
 #include "daemon/rt/clock.hpp"

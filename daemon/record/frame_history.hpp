@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/frame/frame.hpp"
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 
 namespace slipd {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/estimate/estimate.hpp"
-#include "core/storage/recorded_estimate.hpp"
+#include "core/recording/recorded_estimate.hpp"
 
 namespace slipd {
 

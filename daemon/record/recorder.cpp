@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "core/recording/recording.hpp"
 #include "core/storage/bounded_output.hpp"
-#include "core/storage/recording.hpp"
 #include "daemon/rt/clock.hpp"
 #include "daemon/rt/thread.hpp"
 

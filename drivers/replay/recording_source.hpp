@@ -1,7 +1,7 @@
-// A recording (core/storage/recording.hpp) as a source of frames.
+// A recording (core/recording/recording.hpp) as a source of frames.
 #pragma once
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "drivers/replay/source.hpp"
 
 namespace slipd::replay {

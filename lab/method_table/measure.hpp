@@ -1,4 +1,4 @@
-// Measures the rows of the table that `auto` chooses by (core/chain/method_table.hpp).
+// Measures the rows of the table that `auto` chooses by (core/chain/setup/method_table.hpp).
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 
 namespace lab {
 

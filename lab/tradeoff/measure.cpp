@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 #include "core/frame/few_taxels.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/moments/moments.hpp"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 #include "core/contact/scene_draws.hpp"
 #include "core/frame/few_taxels.hpp"
 #include "core/numeric/random.hpp"

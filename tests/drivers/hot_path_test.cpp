@@ -7,7 +7,7 @@
 #include <fstream>
 #include <new>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
 #include "tests/drivers/driver_fixture.hpp"

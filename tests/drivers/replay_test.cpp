@@ -8,7 +8,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "drivers/pacing.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "tests/drivers/replay_fixture.hpp"

@@ -2,7 +2,7 @@
 // rewind, up to the end or to a reported fault.
 #include <optional>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/fuzz/file_of.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "grip/gripper_profile.hpp"
+#include "grip/grippers/gripper_profile.hpp"
 #include "tests/devices/gripper_on_modbus.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -43,7 +43,7 @@ std::string trouble_of(const std::function<void()>& act) {
 
 TEST(Profiles, AreAllOfTheSchema) {
   int found = 0;
-  for (const auto& file : std::filesystem::directory_iterator(SLIPD_SOURCE_DIR "/grip/profiles")) {
+  for (const auto& file : std::filesystem::directory_iterator(SLIPD_SOURCE_DIR "/grip/grippers/profiles")) {
     EXPECT_NO_THROW(load_profile(file.path().string())) << file.path();
     ++found;
   }

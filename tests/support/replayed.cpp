@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 
 namespace slipd::testing {
 

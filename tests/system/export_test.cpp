@@ -13,7 +13,7 @@
 
 #include "bridges/ros2/messages/cdr.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
-#include "core/storage/recorded_estimate.hpp"
+#include "core/recording/recorded_estimate.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

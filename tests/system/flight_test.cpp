@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

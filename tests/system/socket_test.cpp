@@ -12,8 +12,8 @@
 #include <set>
 #include <thread>
 
+#include "core/recording/recording.hpp"
 #include "core/storage/descriptor_passing.hpp"
-#include "core/storage/recording.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

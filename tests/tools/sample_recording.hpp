@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "core/storage/unique_fd.hpp"
 
 namespace slipctl::testing {

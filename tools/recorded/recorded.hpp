@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 
 namespace slipd {
 

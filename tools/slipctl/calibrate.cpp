@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "tools/slipctl/calibration/report.hpp"
 #include "tools/slipctl/client.hpp"
 

@@ -15,7 +15,7 @@
 #include "bridges/ros2/messages/cdr.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "tools/slipctl/client.hpp"
 
 namespace slipctl {

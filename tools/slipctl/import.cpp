@@ -19,7 +19,7 @@
 #include "bridges/feed_ros2/topic_profile.hpp"
 #include "bridges/feed_ros2/topic_reader.hpp"
 #include "bridges/ros2/mcap/mcap_reader.hpp"
-#include "core/storage/recording.hpp"
+#include "core/recording/recording.hpp"
 #include "core/storage/unique_fd.hpp"
 #include "schema/settings_error.hpp"
 #include "tools/slipctl/client.hpp"

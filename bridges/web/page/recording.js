@@ -1,4 +1,4 @@
-// Reads a recording of slipd (core/storage/recording.hpp) in the browser: a CBOR sequence of a header and blocks of frames. Taxels
+// Reads a recording of slipd (core/recording/recording.hpp) in the browser: a CBOR sequence of a header and blocks of frames. Taxels
 // stay where they are in the file's bytes. A block whose form is wrong is left out, and counted.
 
 const kText = new TextDecoder();

@@ -1047,7 +1047,7 @@ class Source:
         return _why(self.path, error)
 
 
-# Recordings: a CBOR sequence (RFC 8742); core/storage/recording.hpp describes it.
+# Recordings: a CBOR sequence (RFC 8742); core/recording/recording.hpp describes it.
 
 _BLOCK = bytes.fromhex("A865626C6F636B1B")  # what each block begins with
 _FLOATS = 85  # RFC 8746: little-endian float32

@@ -1,4 +1,4 @@
-#include "bridges/feed/sender_clock.hpp"
+#include "bridges/feed_lane/sender_clock.hpp"
 
 #include <gtest/gtest.h>
 

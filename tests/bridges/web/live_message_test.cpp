@@ -1,4 +1,4 @@
-#include "bridges/web/live_message.hpp"
+#include "bridges/web/answers/live_message.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/web/picture.hpp"
+#include "bridges/web/answers/picture.hpp"
 
 #include <gtest/gtest.h>
 

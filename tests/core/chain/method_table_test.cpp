@@ -1,5 +1,5 @@
 // What `auto` chooses: by the size of contacts and by the time that a frame may take, the same at each start.
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 
 #include <gtest/gtest.h>
 

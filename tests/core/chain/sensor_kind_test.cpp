@@ -1,5 +1,5 @@
 // The kinds of sensors, and what each kind's chain is made of: nothing that it does not need.
-#include "core/chain/sensor_kind.hpp"
+#include "core/chain/setup/sensor_kind.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

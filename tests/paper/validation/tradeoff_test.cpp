@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/chain/chain.hpp"
-#include "core/chain/method_table.hpp"
+#include "core/chain/setup/method_table.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "paper/train.hpp"
