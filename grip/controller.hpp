@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "grip/grippers/gripper_thread.hpp"
 #include "grip/gripper_watch.hpp"
+#include "grip/grippers/gripper_thread.hpp"
 #include "grip/law.hpp"
 #include "grip/settings.hpp"
 

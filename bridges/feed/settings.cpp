@@ -1,8 +1,8 @@
 #include "bridges/feed/settings.hpp"
 
 #include <nlohmann/json.hpp>
-#include <set>
 
+#include "bridges/feed_lane/second_feeds.hpp"
 #include "schema/settings_error.hpp"
 
 namespace slipd::feed {
@@ -53,15 +53,9 @@ void check_feed(const json& feed, const std::string& at, std::vector<Problem>& p
 }  // namespace
 
 std::vector<Problem> further_problems(const json& settings) {
-  std::vector<Problem> problems;
-  std::set<std::string> names;
+  std::vector<Problem> problems = second_feeds(settings);
   for (std::size_t i = 0; i < settings["feeds"].size(); ++i) {
-    const json& feed = settings["feeds"][i];
-    const std::string at = pointer_to("/feeds", i);
-    if (!names.insert(feed["sensor"]).second)
-      problems.push_back(
-          problem_of(pointer_to(at, "sensor"), feed["sensor"], "has a feed already: a sensor has one"));
-    check_feed(feed, at, problems);
+    check_feed(settings["feeds"][i], pointer_to("/feeds", i), problems);
   }
   return problems;
 }

@@ -2,8 +2,9 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <utility>
 
+#include "bridges/feed_lane/second_feeds.hpp"
 #include "bridges/ros2/dds/node_settings.hpp"
 #include "schema/settings_error.hpp"
 
@@ -37,15 +38,10 @@ void check_feed(const json& feed, const std::string& at, std::map<std::string, T
 
 std::vector<Problem> further_problems(const json& settings) {
   std::vector<Problem> problems = ros2::network_problems(settings);
-  std::set<std::string> names;
+  for (Problem& problem : feed::second_feeds(settings)) problems.push_back(std::move(problem));
   std::map<std::string, TopicType> types;
   for (std::size_t i = 0; i < settings["feeds"].size(); ++i) {
-    const json& feed = settings["feeds"][i];
-    const std::string at = pointer_to("/feeds", i);
-    if (!names.insert(feed["sensor"]).second)
-      problems.push_back(
-          problem_of(pointer_to(at, "sensor"), feed["sensor"], "has a feed already: a sensor has one"));
-    check_feed(feed, at, types, problems);
+    check_feed(settings["feeds"][i], pointer_to("/feeds", i), types, problems);
   }
   return problems;
 }

@@ -39,17 +39,16 @@ bool FollowedForces::aim(const ContactPatch& patch) noexcept {
   return turned;
 }
 
-bool FollowedForces::follow(const ContactPatch& patch) noexcept {
+void FollowedForces::follow(const ContactPatch& patch) noexcept {
   const double least_n = options_.band_share * patch.normal_n;
   const double normal_to =
       drag(normal_n_, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n);
   const double shear_to =
       drag(shear_n_, axis_.along_n(forces_of(patch)),
            options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n);
-  if (normal_to == normal_n_ && shear_to == shear_n_) return false;
+  if (normal_to == normal_n_ && shear_to == shear_n_) return;
   normal_n_ = std::max(normal_to, least_n);
   shear_n_ = shear_to;
-  return true;
 }
 
 bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {

@@ -64,8 +64,8 @@ class FollowedForces {
   // First call for each frame. True if shear has turned: signed shear then begins anew along the new axis.
   bool aim(const ContactPatch& patch) noexcept;
 
-  // Second call for each frame. True if a force has left its dead band and so has changed.
-  bool follow(const ContactPatch& patch) noexcept;
+  // Second call for each frame. A force changes when it leaves its dead band.
+  void follow(const ContactPatch& patch) noexcept;
 
   // Third call for each frame. True for the one frame, if any, at which it is clear that the grasp began
   // before its first frame.

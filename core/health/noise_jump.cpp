@@ -22,7 +22,7 @@ bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJum
       ++noisy;
     }
   }
-  const bool jumped = frames_ >= options.memory_frames / 2 && noisy == 1 && quiet == kChannels - 1;
+  const bool jumped = frames_ >= options.learning_frames() && noisy == 1 && quiet == kChannels - 1;
   run_ = jumped ? run_ + 1 : 0;
   if (jumped) return run_ >= options.frames;
   ++frames_;

@@ -15,6 +15,7 @@ struct NoiseJumpOptions {
   // Frames over which noise is averaged; of half as many of a contact on something is said; frames, 32 …
   // 2000. Too small: the beginning of a contact decides. Too large: nothing is said of short contacts.
   std::uint32_t memory_frames = 64;
+  std::uint32_t learning_frames() const noexcept { return memory_frames / 2; }
   // Mean squared step from frame to frame of the noisy channel, and of the others at most, of what is usual;
   // 10 … 1000 and 1.5 … 5. Too small: vibrations and quick loads are called noise. Too large: noise passes.
   double jumped = 30;
