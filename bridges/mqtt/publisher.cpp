@@ -254,8 +254,8 @@ std::size_t Publisher::first_broker() const {
   });
   if (left == brokers.end()) return 0;
   const std::size_t next = (static_cast<std::size_t>(left - brokers.begin()) + 1) % brokers.size();
-  log(LogLevel::warning,
-      left->name() + ": slipd-mqtt ended while it was there; " + brokers[next].name() + " has its turn");
+  log(LogLevel::warning, left->name() + ": slipd-mqtt ended while it was there" +
+                             (brokers.size() > 1 ? "; " + brokers[next].name() + " has its turn" : ""));
   return next;
 }
 

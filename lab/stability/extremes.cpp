@@ -18,6 +18,10 @@ using Precise =
 using slipd::RandomStream;
 namespace contact = slipd::contact;
 
+// Boost 1.74 computes what its functions need at their first call and without a lock: a second thread's first
+// call would take what is half done. So the first calls are made before there is a second thread.
+const Precise kFirstCalls = atan(pow(Precise(2), Precise(1) / 3));
+
 constexpr double kSkinRadius = 0.01, kSkinModulus = 0.5e6, kSkinPoisson = 0.45;
 
 // What both kinds of Traction have in common, in one order.
