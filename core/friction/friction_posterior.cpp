@@ -31,6 +31,10 @@ constexpr double kUsualGain = 0.2;
 // Nats beyond which nothing is left of a weight.
 constexpr double kNothingLeft = 40;
 
+// Nats beyond which a load that is held leaves nothing of a friction. A load of noisy forces may contradict
+// all frictions by more than kNothingLeft: the highest is left then. e^-400 of a weight is no denormal.
+constexpr double kRefuted = 400;
+
 }  // namespace
 
 FrictionPosterior::FrictionPosterior(const FrictionPrior& prior, std::size_t count,
@@ -95,8 +99,8 @@ void FrictionPosterior::bound_below(const MeanSigma& held) noexcept {
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double over = (held.mean - to_edge * grid_.friction(j)) * per_sigma;
     if (!(over > 0)) break;  // nor any higher one
-    const double nats = std::min(kNothingLeft, 0.5 * over * over);
-    changed_[j] *= nats < kNothingLeft ? std::exp(-nats) : 0;
+    const double nats = std::min(kRefuted, 0.5 * over * over);
+    changed_[j] *= nats < kRefuted ? std::exp(-nats) : 0;
     if (!(nats > held_[j])) continue;
     same_[j] *= std::exp(held_[j] - nats);
     held_[j] = nats;

@@ -148,6 +148,17 @@ TEST(FrictionPosterior, ALoadThatIsHeldBoundsFrictionAndManyFramesOfItNoMoreThan
   }
 }
 
+// As forces do whose noise is larger than it is taken for: friction is high, and not what was expected first.
+TEST(FrictionPosterior, ALoadHeldFarAboveAllFrictionsLeavesTheHighest) {
+  FrictionPosterior posterior(kScene, kPoints);
+  for (int i = 0; i < 100; ++i) frame_says(posterior, 0.3, 0.05, 0.05);
+  const double highest = posterior.grid().friction(kPoints - 1);
+  posterior.begin(kFrame_s);
+  posterior.bound_below({1.2 * highest, 0.02 * highest});
+  posterior.conclude();
+  EXPECT_GT(posterior.grid().friction().mean, 0.8 * highest);
+}
+
 TEST(FrictionPosterior, SaysWhichFrictionsHaveJustBecomeSo) {
   FrictionPosterior posterior(kScene, kPoints);
   posterior.begin(kFrame_s);
