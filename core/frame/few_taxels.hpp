@@ -15,4 +15,9 @@ inline constexpr std::size_t kFewTaxels = 40;
 // get no margin from their shape, and torque one under heavy loads alone.
 inline constexpr std::size_t kFewInside = 12;
 
+// So few taxels can read anything by chance, or be bad (all, of a sensor that has fewer), 2 … 5: more are a
+// contact, lose their shear, agree with a zero or contradict it. Too small: bad taxels do. Too large: a
+// fingertip is no contact.
+inline constexpr std::size_t kBadTaxels = 3;
+
 }  // namespace slipd

@@ -30,12 +30,6 @@ double unlikeness_of_sizes(double ratio) noexcept {
 
 }  // namespace
 
-void UsualValue::learn(double value, std::uint32_t memory_frames) noexcept {
-  frames = std::min(frames + 1, memory_frames);
-  mean += (value - mean) / frames;
-  peak = std::max(value, peak * (1 - 1.0 / memory_frames));
-}
-
 // Hertz: the radius goes with the cube root of the force.
 double Continuity::by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept {
   const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
@@ -53,11 +47,10 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       std::max(patch.noise_normal_pa * patch.noise_normal_pa, last_noise_pa_ * last_noise_pa_) *
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
-  const bool known = unlikeness_.frames >= options.learning_frames();
   const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
-  const bool jumped = known && unlikeness > least && unlikeness > options.peak_factor * unlikeness_.peak &&
-                      unlikeness > options.noise_factor * by_noise;
-  if (!jumped) unlikeness_.learn(unlikeness, options.memory_frames);
+  const bool jumped = unlikeness_.known() && unlikeness > least &&
+                      unlikeness > kBeyondUsual * std::max(unlikeness_.peak, by_noise);
+  if (!jumped) unlikeness_.learn(unlikeness);
   return jumped;
 }
 
@@ -68,11 +61,10 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
   const double step_n = norm(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
   const double by_noise =
       patch.shear_sigma_n / patch.shear_n + last_shear_sigma_n_ / norm(last_shear_x_n_, last_shear_y_n_);
-  const bool known = turn_.frames >= options.learning_frames();
-  const bool jumped =
-      known && turn_rad > options.least_turn_rad && step_n > options.least_turn_share * patch.normal_n &&
-      turn_rad > options.peak_factor * turn_.peak && turn_rad > options.noise_factor * by_noise;
-  if (!jumped) turn_.learn(turn_rad, options.memory_frames);
+  const bool jumped = turn_.known() && turn_rad > options.least_turn_rad &&
+                      step_n > options.least_turn_share * patch.normal_n &&
+                      turn_rad > kBeyondUsual * std::max(turn_.peak, by_noise);
+  if (!jumped) turn_.learn(turn_rad);
   return jumped;
 }
 
@@ -85,7 +77,7 @@ bool Continuity::scaled(const ContactPatch& patch, const PatternChange& pattern,
     if (log_ratio(patch.normal_n, scaled_from_n_) > most / 2) return true;
     scaled_from_n_ = 0;
   } else if (log_ratio(patch.normal_n, last_normal_n_) > most &&
-             pattern.unlikeness() < options.same_pattern) {
+             pattern.unlikeness() < options.least_unlike_fast) {
     scaled_from_n_ = last_normal_n_;
     return true;
   }
@@ -105,7 +97,7 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
   const bool regular =
       last_ns_ != 0 && (usual_step_s_ <= 0 || step_s <= options.regular_steps * usual_step_s_);
   if (last_ns_ != 0 && step_s > 0)
-    usual_step_s_ += (usual_step_s_ > 0 ? 1.0 / options.memory_frames : 1) * (step_s - usual_step_s_);
+    usual_step_s_ += (usual_step_s_ > 0 ? 1.0 / kMemoryFrames : 1) * (step_s - usual_step_s_);
   last_ns_ = time_ns;
   Health health = Health::good;
   if (!patch.in_contact) {
@@ -117,7 +109,7 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
     if (unlike(patch, pattern, probes, fast, options) || turn) broken_at_n_ = patch.normal_n;
     if (scaled(patch, pattern, options)) health = Health::wrong_scale;
   }
-  if (!clear || patch.normal_n < options.let_go_share * broken_at_n_) broken_at_n_ = 0;
+  if (!clear || kWrongScale * patch.normal_n < broken_at_n_) broken_at_n_ = 0;
   if (broken_at_n_ > 0 && health == Health::good) health = Health::jump;
   last_clear_ = clear;
   last_directed_ = directed;

@@ -15,18 +15,18 @@ bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJum
     const GroupChange& change = channels[c].change;
     const double step_pa2 = channels[c].step_square_pa2;
     const bool turns =
-        static_cast<double>(change.turned) > options.noise_turns * static_cast<double>(change.changed);
-    if (step_pa2 <= options.quiet * usual_pa2_[c]) {
+        static_cast<double>(change.turned) > kNoiseTurns * static_cast<double>(change.changed);
+    if (step_pa2 <= kBeyondUsual * usual_pa2_[c]) {
       ++quiet;
     } else if (turns && usual_pa2_[c] > 0 && step_pa2 > options.jumped * usual_pa2_[c]) {
       ++noisy;
     }
   }
-  const bool jumped = frames_ >= options.learning_frames() && noisy == 1 && quiet == kChannels - 1;
+  const bool jumped = frames_ >= learning_frames() && noisy == 1 && quiet == kChannels - 1;
   run_ = jumped ? run_ + 1 : 0;
-  if (jumped) return run_ >= options.frames;
+  if (jumped) return run_ >= kSureFrames;
   ++frames_;
-  const double gain = 1.0 / std::min(frames_, options.memory_frames);
+  const double gain = 1.0 / std::min<std::uint32_t>(frames_, kMemoryFrames);
   for (std::size_t c = 0; c < kChannels; ++c)
     usual_pa2_[c] += gain * (channels[c].step_square_pa2 - usual_pa2_[c]);
   return false;

@@ -7,23 +7,16 @@
 #include <cstdint>
 
 #include "core/health/probes.hpp"
+#include "core/health/usual.hpp"
 
 namespace slipd {
 
 // Checked with `slipd-lab faults` and on recordings of real sensors.
 struct NoiseJumpOptions {
-  // Frames over which noise is averaged; of half as many of a contact on something is said; frames, 32 …
-  // 2000. Too small: the beginning of a contact decides. Too large: nothing is said of short contacts.
-  std::uint32_t memory_frames = 64;
-  std::uint32_t learning_frames() const noexcept { return memory_frames / 2; }
-  // Mean squared step from frame to frame of the noisy channel, and of the others at most, of what is usual;
-  // 10 … 1000 and 1.5 … 5. Too small: vibrations and quick loads are called noise. Too large: noise passes.
+  // Mean squared step from frame to frame of the noisy channel, of what is usual, while that of the others is
+  // within kBeyondUsual; 10 … 1000. Too small: vibrations and quick loads are called noise. Too large: noise
+  // passes.
   double jumped = 30;
-  double quiet = 3;
-  // Share of changes that turn, from which steps are noise and no load; 0.3 … 0.6. Independent noise: 2/3.
-  double noise_turns = 0.4;
-  // Frames in a row; frames, 2 … 10. Too small: one step is called noise. Too large: late.
-  std::uint32_t frames = 3;
 };
 
 class NoiseJump {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -14,17 +15,11 @@ enum ChannelNumber : std::size_t { normal_channel, shear_x_channel, shear_y_chan
 
 constexpr std::array kDeadChannel{Health::dead_normal, Health::dead_shear_x, Health::dead_shear_y};
 
-// Frames without contact in which a channel has to be alive before its noise is known.
-constexpr std::uint32_t kFreeFrames = 32;
-
 // Probes that change in each frame, from which on two frames are not alike by chance.
 constexpr double kSureProbes = 6;
 
 // Taxels of which no contact presses all at once; a pad of fewer may be smaller than a contact.
 constexpr std::size_t kManyTaxels = 9;
-
-// Frames in a contact after which it is known how much its force changes.
-constexpr std::uint32_t kSteadyFrames = 8;
 
 // Rows and columns that are learnt from in a frame.
 constexpr std::size_t kLinesLearnt = 8;
@@ -109,7 +104,7 @@ void PlausibilityMonitor::judge_size(const ContactPatch& patch) noexcept {
   if (!patch.in_contact || patch.cut || limits_.least_m3_per_n <= 0) return;
   if (patch.normal_n < kStrongSigmas * patch.normal_sigma_n) return;
   const double volume_m3 = patch.radius_m * patch.radius_m * patch.radius_m;
-  const bool sized = patch.radius_m > options_.least_sized_sides * layout_.side_m();
+  const bool sized = patch.count >= kFewInside;
   const bool small = sized && patch.normal_n * limits_.greatest_m3_per_n * kWrongScale < volume_m3;
   const bool large = patch.normal_n * limits_.least_m3_per_n > kWrongScale * volume_m3;
   if (small || large) blame(Verdict::frame_refused, Health::wrong_scale);
@@ -126,8 +121,8 @@ bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
   const double peak_pa = last_peak_pa_;
   if (limits_.flat) {
     const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
-    const bool steady = change_.frames >= kSteadyFrames && change_.mean < options_.steady_change;
-    return steady && rise_pa > options_.flat_rise_factor * peak_pa &&
+    const bool steady = change_.known() && change_.mean < options_.steady_change;
+    return steady && rise_pa > kBeyondUsual * peak_pa &&
            std::fabs(peak_rise_pa - rise_pa) < options_.flat_rise_even * rise_pa;
   }
   const bool small_before = std::fabs(static_cast<double>(last_least_pa_)) < kUnloading * peak_pa;
@@ -200,7 +195,7 @@ void PlausibilityMonitor::judge_past() noexcept {
   for (const std::uint64_t then : past_) seen |= then == now;
   past_[next_past_] = now;
   next_past_ = (next_past_ + 1) % past_.size();
-  const bool sure = frame_stillness_.noisy(options_.stillness) &&
+  const bool sure = frame_stillness_.noisy() &&
                     static_cast<double>(probes_.size()) * frame_stillness_.changing() > kSureProbes;
   past_run_ = seen && sure ? past_run_ + 1 : 0;
   if (past_run_ > 0) blame_repeated(past_run_);
@@ -209,9 +204,9 @@ void PlausibilityMonitor::judge_past() noexcept {
 // A frame that was there before, the last one of so many in a row.
 void PlausibilityMonitor::blame_repeated(std::uint32_t run) noexcept {
   const std::uint32_t since = std::exchange(since_repeat_, 0);
-  if (run >= options_.frozen_frames) {
+  if (run >= kSureFrames) {
     blame(Verdict::sensor_fault, Health::frozen);
-  } else if (since <= options_.repeats_within) {
+  } else if (since <= learning_frames()) {  // drivers and recordings have a frame twice now and then
     blame(Verdict::plausible, Health::repeated);
   }
 }
@@ -221,16 +216,16 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
   const ChannelChange& seen = probes_.channels()[channel];
   if (!patch.in_contact) {
     is.alive_in_contact = false;
-    if (seen.nonzero > 0 && is.alive_free < kFreeFrames) ++is.alive_free;
+    if (seen.nonzero > 0 && is.alive_free < learning_frames()) ++is.alive_free;
   }
   const bool normal = channel == normal_channel;
   if (seen.change.changed > 0) {
     is.stillness.update(seen.change, options_.stillness);
-    const bool vanished = !normal && seen.nonzero == 0 && seen.nonzero_before >= options_.vanished_taxels &&
+    const bool vanished = !normal && seen.nonzero == 0 && seen.nonzero_before >= kBadTaxels &&
                           patch.in_contact && last_in_contact_ &&
                           patch.normal_n > kUnloading * last_normal_n_;
     is.dead = vanished;
-  } else if (normal || seen.nonzero > 0 || is.alive_in_contact || is.alive_free >= kFreeFrames) {
+  } else if (normal || seen.nonzero > 0 || is.alive_in_contact || is.alive_free >= learning_frames()) {
     is.dead = is.stillness.update(seen.change, options_.stillness) || is.dead;
   } else {
     is.stillness.skip();  // no shear yet, of a sensor without noise of its own
@@ -252,7 +247,7 @@ void PlausibilityMonitor::judge_lines() noexcept {
     if (line % turns != turn_ && stillness.run() == 0 && probes_.line_moved(line)) continue;
     const bool still = stillness.update(probes_.line(line), options_.stillness);
     lines_stand_ = lines_stand_ || stillness.run() > 0;
-    if (still && stillness.run() >= options_.frozen_frames) blame(Verdict::sensor_fault, Health::dead_row);
+    if (still && stillness.run() >= kSureFrames) blame(Verdict::sensor_fault, Health::dead_row);
   }
 }
 
@@ -273,10 +268,10 @@ void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
   } else {
     const std::size_t at_rail = count_at(channel, extreme_pa, frame, patch);
     const bool many =
-        at_rail >= std::max(options_.rail_taxels,
-                            static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
+        at_rail >= std::max<std::size_t>(
+                       kFewInside, static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
     const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0}, options_.stillness);
-    if (is.extreme.run() >= options_.frozen_frames && (still || many)) is.rail_pa = extreme_pa;
+    if (is.extreme.run() >= kSureFrames && (still || many)) is.rail_pa = extreme_pa;
   }
   if (extreme_pa == is.rail_pa) blame(Verdict::frame_refused, Health::saturated);
 }
@@ -295,7 +290,7 @@ void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch
   if (!patch.in_contact || !last_in_contact_ || !(patch.normal_n > 0) || !(last_normal_n_ > 0)) {
     change_ = {};
   } else {
-    change_.learn(std::fabs(std::log(patch.normal_n / last_normal_n_)), 2 * kSteadyFrames);
+    change_.learn(std::fabs(std::log(patch.normal_n / last_normal_n_)));
   }
   any_ = true;
   last_ns_ = frame.time_ns;
@@ -309,13 +304,13 @@ void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch
   last_clear_ = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
 }
 
-// A fault lasts until good_frames have passed.
+// A fault lasts until kSureFrames without one have passed.
 void PlausibilityMonitor::hold() noexcept {
   if (now_.verdict >= Verdict::frame_refused) {
     held_ = now_;
     good_run_ = 0;
   } else if (held_.health != Health::good) {
-    if (++good_run_ >= options_.good_frames) {
+    if (++good_run_ >= kSureFrames) {
       held_ = {};
     } else {
       now_ = held_;

@@ -21,6 +21,7 @@
 #include "core/health/probes.hpp"
 #include "core/health/spike_finder.hpp"
 #include "core/health/stillness.hpp"
+#include "core/health/usual.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -61,25 +62,9 @@ struct PlausibilityOptions {
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
   std::size_t probes = 192;
-  // Frames that repeat before the sensor counts as frozen, or their greatest value as a rail; frames, 2 … 20.
-  // Fewer are reported, and used. Too small: a repeated frame takes the margin away. Too large: a margin is
-  // given from the past.
-  std::uint32_t frozen_frames = 3;
-  // A frame that repeats is reported only if another did at most so many frames ago: drivers and recordings
-  // have a frame twice now and then; frames, 1 … 100.
-  std::uint32_t repeats_within = 32;
-  // Good frames after which a fault has passed; frames, 1 … 100. Too small: a loose contact makes the state
-  // flicker. Too large: margins come back late.
-  std::uint32_t good_frames = 5;
-  // Taxels that read the same greatest value, of the contact's; 0.05 … 0.5, and at least so many. Too small:
-  // quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
+  // Taxels that read the same greatest value, of the contact's, and at least kFewInside; 0.05 … 0.5. Too
+  // small: quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
   double rail_share = 0.15;
-  std::size_t rail_taxels = 12;
-  // Contacts of a smaller radius are not compared so, as their size is not known; sides, 1 … 4.
-  double least_sized_sides = 2;
-  // Shear that vanished in one frame did so on at least so many taxels; taxels, 2 … 16. Too small: the last
-  // rest of a shear that ends. Too large: sensors of few taxels.
-  std::size_t vanished_taxels = 4;
   // The contact's centre does not move by more than the contact's radius and this in one frame; sides, 1
   // … 10. Too small: rolling contacts at low rates jump. Too large: another sensor's frames are believed.
   double jump_sides = 3;
@@ -87,12 +72,9 @@ struct PlausibilityOptions {
   // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
   double least_rise_share = 0.5;
   // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
-  // alike, to this share; 0.02 … 0.3. Too small: an offset is believed. Too large: quick grips have no
+  // alike, to this share, by more than kBeyondUsual times the greatest one; 0.02 … 0.3. Too small: an offset is believed. Too large: quick grips have no
   // margin.
   double flat_rise_even = 0.1;
-  // By more than this factor of the greatest pressure before; 2 … 10. Too small: quick grips have no margin.
-  // Too large: an offset is believed.
-  double flat_rise_factor = 3;
   // In a hold whose normal force changed by less than this share a frame; 0.01 … 0.2. Too small: an offset
   // is believed. Too large: quick grips have no margin.
   double steady_change = 0.05;

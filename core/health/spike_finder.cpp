@@ -41,18 +41,18 @@ SpikeFinder::Look SpikeFinder::needed(const ContactPatch& patch) noexcept {
   const float peak = patch.frame_peak_pa;
   const float shear = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);
   // Noise by itself reaches about as far below zero as above.
-  const double least_share = patch.in_contact ? 1 : options_.jump_factor;
+  const double least_share = patch.in_contact ? 1 : kBeyondUsual;
   const bool beyond = peak > limits_.full_scale.normal_pa || -patch.frame_least_pa > least_share * peak ||
                       shear > std::min(limits_.full_scale.shear_x_pa, limits_.full_scale.shear_y_pa);
   const bool noisier = patch.noise_shear_pa > options_.grown_factor * last_noise_pa_;
   last_noise_pa_ = patch.noise_shear_pa;
-  if (++frames_ % (options_.look_frames * options_.look_frames) == 0 || found_ || !patch.finite || beyond ||
+  if (++frames_ % (learning_frames() * learning_frames()) == 0 || found_ || !patch.finite || beyond ||
       noisier)
     return Look::at_all;
   const bool grown = peak > options_.grown_factor * last_peak_pa_ ||
-                     shear > options_.jump_factor * last_shear_pa_ ||
+                     shear > kBeyondUsual * last_shear_pa_ ||
                      (shear > options_.grown_factor * last_shear_pa_ && shear > peak);
-  return frames_ % options_.look_frames == 0 || grown ? Look::at_peak : Look::none;
+  return frames_ % learning_frames() == 0 || grown ? Look::at_peak : Look::none;
 }
 
 bool SpikeFinder::peak_stands_alone(const Frame& frame, const ContactPatch& patch) const noexcept {
@@ -62,7 +62,7 @@ bool SpikeFinder::peak_stands_alone(const Frame& frame, const ContactPatch& patc
   if (peak == frame.normal_pa.end()) return false;  // nothing is above 0
   if (alone(peak_pa, around(values, static_cast<std::uint32_t>(peak - frame.normal_pa.begin())))) return true;
   const float shear_pa = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);
-  if (shear_pa <= peak_pa && shear_pa <= options_.jump_factor * last_shear_pa_) return false;
+  if (shear_pa <= peak_pa && shear_pa <= kBeyondUsual * last_shear_pa_) return false;
   bool found = false;
   patch.for_each_inside([&](std::uint32_t i) {
     const bool here = std::max(size_of(frame.shear_x_pa[i]), size_of(frame.shear_y_pa[i])) == shear_pa;
@@ -146,16 +146,14 @@ bool SpikeFinder::spreads(double pressure_pa, double least_sides) const noexcept
 }
 
 bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noexcept {
-  const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > options_.jump_factor * last_peak_pa_;
-  const double share = jumped ? options_.jumped_support_share : options_.support_share;
-  if (around.greatest_normal_pa > share * normal_pa) return false;
+  const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > kBeyondUsual * last_peak_pa_;
+  if (around.greatest_normal_pa > options_.support_share * normal_pa) return false;
   return spreads(normal_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 
 bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
-  const bool jumped = touched_ && last_shear_pa_ > 0 && shear_pa > options_.jump_factor * last_shear_pa_;
-  const double share = jumped ? options_.jumped_support_share : options_.support_share;
-  return shear_pa > options_.shear_factor * normal_pa && around.greatest_shear_pa < share * shear_pa &&
+  const bool jumped = touched_ && last_shear_pa_ > 0 && shear_pa > kBeyondUsual * last_shear_pa_;
+  return shear_pa > options_.shear_factor * normal_pa && around.greatest_shear_pa < options_.support_share * shear_pa &&
          spreads(shear_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 

@@ -13,30 +13,25 @@
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/health/limits.hpp"
+#include "core/health/usual.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
 
 struct SpikeOptions {
-  // A taxel stands alone if no neighbour reads more than this share of it; 0.05 … 0.4. Too small: spikes
-  // beside a contact are believed. Too large: the middle of a small contact is called a spike.
-  double support_share = 0.25;
+  // A taxel stands alone if no neighbour reads more than this share of it; 0.05 … 0.6. Too small: spikes
+  // beside a contact are believed. Too large: the middle of a small contact is called a spike: Hertz's of
+  // least_radius_sides leaves 0.7 to a neighbour.
+  double support_share = 0.4;
   // The contact that carries the taxel's force alone would have at least this radius, sides; 1 … 3. Too
   // small: contacts smaller than a taxel are called spikes. Too large: spikes are believed.
   double least_radius_sides = 1.5;
-  // The same two of a peak that jumped; 0.1 … 0.6 and 0.2 … 1.5.
-  double jumped_support_share = 0.4;
+  // The same of a peak that jumped beyond kBeyondUsual, whatever the scene expects; 0.2 … 1.5.
   double least_jumped_radius_sides = 0.5;
   // A peak is looked at if it is above the last frame's by this factor, and all taxels if the noise of single
   // shears off the contact is; 1.05 … 2. Too small: costs time. Too large: spikes little above the contact's
   // peak stay until the next look, and sigma is wide until then.
   double grown_factor = 1.25;
-  // A peak above the last frame's by this factor that stands alone is a spike whatever the scene expects; 2 …
-  // 20. Too small: taps of sharp things are called spikes. Too large: spikes are believed.
-  double jump_factor = 2.5;
-  // Every so many frames the peak is looked at whether it grew or not, and at so many of these looks all
-  // taxels; frames, 1 … 100. Too large: a spike that came with the contact is believed for longer.
-  std::uint32_t look_frames = 32;
   // At most one taxel in so many is left out, at least one; 8 … 100. Too small: margins from what is left.
   // Too large: sensors with several bad taxels give no margin.
   std::size_t one_in = 32;

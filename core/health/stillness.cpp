@@ -8,13 +8,14 @@ namespace slipd {
 bool Stillness::update(const GroupChange& now, const StillnessOptions& options) noexcept {
   if (now.changed == 0) {
     ++run_;
-    if (!noisy(options)) return false;
-    const double unchanged = 1 - std::min(changing_, options.most_changing);
+    if (!noisy()) return false;
+    // Laplace's rule of succession: so few frames do not show that a value changes always.
+    const double unchanged = (1 + (1 - changing_) * frames_) / (2.0 + frames_);
     const double nats = -std::log(unchanged) * static_cast<double>(now.values) * run_;
     called_ = nats > options.sure_nats && run_ > options.longer_than_before * longest_;
     return called_;
   }
-  const double gain = std::max(1.0 / (frames_ + 1), 1 / options.memory_frames);
+  const double gain = 1.0 / std::min<std::uint32_t>(frames_ + 1, kMemoryFrames);
   // A run that was not called out was chance, or the sensor's way.
   if (run_ > 0) {
     if (!called_) {
@@ -26,7 +27,7 @@ bool Stillness::update(const GroupChange& now, const StillnessOptions& options) 
   const double values = static_cast<double>(now.values), changed = static_cast<double>(now.changed);
   changing_ += gain * (changed / values - changing_);
   turning_ += gain * (static_cast<double>(now.turned) / changed - turning_);
-  frames_ = std::min(frames_ + 1, static_cast<std::uint32_t>(options.memory_frames));
+  frames_ = std::min<std::uint32_t>(frames_ + 1, kMemoryFrames);
   return false;
 }
 

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/health/usual.hpp"
+
 namespace slipd {
 
 // What a group of values did from one frame to the next.
@@ -16,19 +18,6 @@ struct GroupChange {
 };
 
 struct StillnessOptions {
-  // Frames before anything is said; frames, 8 … 1000. Too small: a slow start is taken for the sensor's way.
-  // Too large: a sensor that freezes early is believed.
-  std::uint32_t learning_frames = 32;
-  // Frames over which shares are averaged; frames, 16 … 10000. Too small: they scatter. Too large: a sensor
-  // whose rate was changed is misjudged for longer.
-  double memory_frames = 128;
-  // Share of changes that turn, from which the values have noise; 0.1 … 0.5. Independent noise turns in 2 of
-  // 3 frames, a load without noise hardly ever. Too small: a trembling load without noise passes for noise.
-  // Too large: noise under a fast load is not seen, and a frozen sensor is believed.
-  double noise_turns = 0.25;
-  // The most that is believed of how often a value changes; 0.5 … 0.99. Too small: dead groups of few values
-  // are noticed late. Too large: few values that repeat by chance are called dead.
-  double most_changing = 0.9;
   // Evidence that it is not chance; nats, 12 … 40. Chance makes e^-20 = 2e-9 of it. Too small: false alarms.
   // Too large: dead groups of few values are noticed late.
   double sure_nats = 20;
@@ -49,9 +38,7 @@ class Stillness {
   }
 
   // The values have noise.
-  bool noisy(const StillnessOptions& options) const noexcept {
-    return frames_ >= options.learning_frames && turning_ >= options.noise_turns;
-  }
+  bool noisy() const noexcept { return frames_ >= learning_frames() && turning_ >= kNoiseTurns; }
 
   // Mean share of values that change in a frame, 0 … 1.
   double changing() const noexcept { return changing_; }
@@ -60,7 +47,7 @@ class Stillness {
   std::uint32_t run() const noexcept { return run_; }
 
  private:
-  std::uint32_t frames_ = 0;   // that changed, up to memory_frames
+  std::uint32_t frames_ = 0;   // that changed, up to kMemoryFrames
   std::uint32_t run_ = 0;      // frames without a change, up to now
   std::uint32_t longest_ = 0;  // run before that was taken for chance
   bool called_ = false;        // this run was called out

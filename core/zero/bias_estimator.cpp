@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 
 namespace slipd {
@@ -277,7 +278,7 @@ bool BiasEstimator::near_bias() const noexcept {
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
     const float within = std::max(static_cast<float>(kClearSigmas) * std::max(zero_.noise_pa[i], least),
-                                  options_.near_steps * step_pa(i)) +
+                                  options_.check.near_steps * step_pa(i)) +
                          kRounding * std::abs(now[i]);
     if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
   }
@@ -303,7 +304,7 @@ bool BiasEstimator::stands_out() noexcept {
   int out = 0;
   patch.for_each_inside(
       [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOutSigmas * patch.noise_normal_pa ? 1 : 0; });
-  return out >= static_cast<int>(options_.check.min_taxels);
+  return out >= static_cast<int>(kBadTaxels);
 }
 
 // What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no

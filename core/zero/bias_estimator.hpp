@@ -34,9 +34,6 @@ struct BiasEstimatorOptions {
   // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
   // large: the answer comes late.
   int max_tries = 8;
-  // A free sensor is not clearly off its bias, nor by more than so many of its smallest steps; 0.5 … 5. Too
-  // small: drift ends the following. Too large: a light touch is followed.
-  float near_steps = 1.5F;
   // Fewer taxels show no shape of a contact; taxels, 4 … 50. Too small: offsets of a few taxels pass for a
   // contact. Too large: a touch of a small array is taken for its bias.
   std::size_t min_shape_taxels = 8;

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/few_taxels.hpp"
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
-// `share` of the taxels, at least `least`, at most all.
-std::size_t count_of(std::size_t taxels, double share, std::size_t least) noexcept {
+// `share` of the taxels, at least kBadTaxels, at most all.
+std::size_t count_of(std::size_t taxels, double share) noexcept {
   const auto part = static_cast<std::size_t>(std::ceil(share * static_cast<double>(taxels)));
-  return std::min(taxels, std::max(part, least));
+  return std::min(taxels, std::max<std::size_t>(part, kBadTaxels));
 }
 
 }  // namespace
@@ -22,7 +25,7 @@ float ZeroCheck::tolerance_pa(const Bias& zero, std::size_t channel, const Floor
   const float noise =
       std::max(zero.noise_pa[channel], normal ? floors.noise_normal_pa : floors.noise_shear_pa);
   const float step = normal ? floors.step_normal_pa : floors.step_shear_pa;
-  return std::max(options_.agree_sigmas * noise, options_.agree_steps * step);
+  return std::max(static_cast<float>(kStrongSigmas) * noise, options_.near_steps * step);
 }
 
 bool ZeroCheck::agrees(const Frame& reading, const Bias& zero, std::span<const float> last_pa,
@@ -39,13 +42,13 @@ bool ZeroCheck::agrees(const Frame& reading, const Bias& zero, std::span<const f
       like_zero = like_zero && std::abs(now - free) <= within;
       if (like_last) {
         const float load = std::abs(last_pa[i] - free);
-        like_last = std::abs(now - last_pa[i]) <= within + options_.held_share * load;
+        like_last = std::abs(now - last_pa[i]) <= within + options_.relaxed_share * load;
       }
     }
     as_zero += like_zero ? 1 : 0;
     as_last += like_last ? 1 : 0;
   }
-  const std::size_t needed = count_of(taxels_, options_.agree_share, options_.min_taxels);
+  const std::size_t needed = count_of(taxels_, options_.agree_share);
   return std::max(as_zero, as_last) >= needed && !is_below(reading, zero, floors);
 }
 
@@ -54,7 +57,7 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
   double lifted_pa = 0, pressed_pa = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
     const float load = reading.normal_pa[i] - zero.bias_pa[i];
-    const float far = tolerance_pa(zero, i, floors) + options_.rebound_share * pressed_pa_[i];
+    const float far = tolerance_pa(zero, i, floors) + options_.relaxed_share * pressed_pa_[i];
     if (load < -far) {
       ++below;
       lifted_pa -= load;
@@ -62,9 +65,8 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
       pressed_pa += load;
     }
   }
-  if (below < count_of(taxels_, options_.below_share, options_.min_taxels)) return false;
-  return lifted_pa > options_.below_over_pressed * pressed_pa ||
-         static_cast<double>(below) > options_.most_share * static_cast<double>(taxels_);
+  if (below < count_of(taxels_, options_.below_share)) return false;
+  return lifted_pa > options_.below_over_pressed * pressed_pa || 2 * below > taxels_;
 }
 
 void ZeroCheck::note_pressed(std::span<const float> normal_pa, const Bias& zero) noexcept {

@@ -15,35 +15,27 @@ namespace slipd {
 // Checked by tests/core/zero/zero_check_test.cpp and bias_estimator_test.cpp, on sensors with offsets, noise,
 // drift, contacts and exchanges.
 struct ZeroCheckOptions {
-  // A channel agrees with the zero within this: standard deviations of a frame, 5 … 20, or smallest steps,
-  // 2 … 5, whichever is more. Too small: drift while the sensor was away makes a zero doubtful. Too large:
+  // A channel agrees with the zero within kStrongSigmas of a frame, or so many of its smallest steps,
+  // whichever is more; 1.5 … 5. Too small: drift while the sensor was away makes a zero doubtful. Too large:
   // another sensor's offsets pass for drift.
-  float agree_sigmas = 10;
-  float agree_steps = 3;
-  // So few taxels can read anything by chance, or be bad, 2 … 5 (all, of a sensor that has fewer): more are a
-  // contact, agree with a zero, or contradict it. Too small: bad taxels do. Too large: a fingertip is no
-  // contact.
-  std::size_t min_taxels = 3;
-  // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and at least min_taxels. Too small:
+  float near_steps = 2;
+  // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and at least kBadTaxels. Too small:
   // offsets that happen to be alike pass. Too large: a restart in mid-grasp is without a margin until the
   // object is let go.
   double agree_share = 0.25;
-  // A load that was held while the sensor was away may have changed by this share; 0.02 … 0.2. Too small: a
-  // skin that relaxes is taken for another sensor. Too large: an offset of another sensor passes for a load.
-  float held_share = 0.1F;
-  // A taxel is far below its zero by more than agree_sigmas, agree_steps and this share of the greatest
-  // pressure that it had; 0.02 … 0.1. Too small: skin that springs back counts. Too large: an offset hides.
-  float rebound_share = 0.05F;
+  // Share of its load by which a skin relaxes or springs back; 0.02 … 0.2. A load that was held while the
+  // sensor was away may have changed by it, and a taxel is below its zero where it reads less by more than
+  // this share of the greatest pressure that it had. Too small: a skin that relaxes is taken for another
+  // sensor. Too large: an offset passes for a load, or hides.
+  float relaxed_share = 0.1F;
   // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least
-  // min_taxels. Too small: a bad taxel does. Too large: a zero that was taken
-  // from a small contact is used.
+  // kBadTaxels. Too small: a bad taxel does. Too large: a zero that was taken from a small contact is used.
   double below_share = 1.0 / 16;
   // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
   // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
-  // was taken from a contact is used while another contact is there.
+  // was taken from a contact is used while another contact is there. More than half of the taxels far below
+  // contradict a zero whatever the others read.
   double below_over_pressed = 4;
-  // More than this share of the taxels far below contradict a zero whatever the others read; 0.4 … 0.8.
-  double most_share = 0.5;
 };
 
 // Not thread-safe: the acquire thread's. Allocates in its constructor only.
