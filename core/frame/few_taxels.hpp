@@ -20,4 +20,9 @@ inline constexpr std::size_t kFewInside = 12;
 // fingertip is no contact.
 inline constexpr std::size_t kBadTaxels = 3;
 
+// Fewer taxels show neither their noise nor the shape of what touches them, 4 … 50. Too small: noise of a few
+// taxels scatters, and their offsets pass for a contact. Too large: sensors with other noise in shear are
+// misjudged, and a touch of a small array is taken for its zero.
+inline constexpr std::size_t kLeastTaxels = 8;
+
 }  // namespace slipd

@@ -42,7 +42,7 @@ double FewTaxelsGate::normal_noise_n() const noexcept {
 
 double FewTaxelsGate::pull_threshold_n() const noexcept {
   const double noise_n = noise_.now() ? noise_.now()->shear_n : 0;
-  return std::max(options_.pulled_over_normal * unloaded_n_, kStandsOutSigmas * noise_n);
+  return std::max(kShearOverNormal * unloaded_n_, kStandsOutSigmas * noise_n);
 }
 
 bool FewTaxelsGate::judge(const Frame& frame, const ContactPatch& patch) noexcept {

@@ -17,9 +17,6 @@ struct ContactGateOptions {
   // Once in contact, it lasts down to this share of the threshold; 0.2 … 0.9. Too near 1: a light contact
   // comes and goes. Too small: a released object is a contact for longer.
   double kept_share = 0.5;
-  // Shear on all taxels that is a pull on a contact without pressure, over the threshold of P; 1 … 10. Too
-  // small: drift and jitter of the zero are a pull. Too large: a pulled contact is no contact.
-  double pulled_over_normal = 3;
 };
 
 // P below which a sensor is not in contact, N, if none is configured: of sensors of at most kFewTaxels

@@ -21,7 +21,7 @@ double tilt_of(const MomentSums& sums, const ContactPatch& patch, double rim,
   const double unit = 1 / (kPerTilt * patch.radius_m * sums.p);
   const double levers = sums.s3 - 2 * kCentroid * sums.s2 + square(kCentroid) * sums.s;
   const double noise = patch.noise_normal_pa / (kPerTilt * sums.p);
-  const double variance = 0.5 * square(noise) * std::max(0.0, levers) + square(options.rim_tilt * rim);
+  const double variance = 0.5 * square(noise) * std::max(0.0, levers) + square(options.rim * rim);
   const double squares = square(unit * sums.psx) + square(unit * sums.psy);
   return squares > square(kClearSigmas) * variance ? std::sqrt(squares - 2 * variance) : 0;
 }
@@ -33,9 +33,10 @@ bool HertzDeviation::hertzian(const HertzDeviationOptions& options) const noexce
 }
 
 double HertzDeviation::sigma(const HertzDeviationOptions& options) const noexcept {
-  return std::hypot(options.tilt_sigma * tilt / (1 + options.tilt_saturation * tilt),
-                    options.ellipticity_sigma * square(ellipticity),
-                    options.kurtosis_sigma * excess_kurtosis);
+  constexpr double kHalfTilt = 0.5;  // half of what a large tilt costs
+  return options.most_sigma * std::hypot(tilt / (kHalfTilt + tilt),
+                                         square(ellipticity / options.max_ellipticity),
+                                         excess_kurtosis / options.max_kurtosis);
 }
 
 // <r^4>/<r^2>^2 of the pressure is 10/7 of a round contact, and half the square of its ellipticity more, as a
@@ -62,7 +63,7 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
   const double levers = sums.s4 - 2 * lever * sums.s3 + (square(lever) + 2 * s2) * sums.s2 -
                         2 * lever * s2 * sums.s + square(s2) * n;
   const double excess_sigma = std::hypot(noise * std::sqrt(std::max(0.0, levers)) / square(s),
-                                         options.rim_kurtosis * rim, options.point_kurtosis * side2);
+                                         options.rim * rim, options.point_kurtosis * side2);
   if (std::fabs(excess) > kClearSigmas * excess_sigma) out.excess_kurtosis = std::fabs(excess);
   return out;
 }

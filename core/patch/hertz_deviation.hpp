@@ -13,20 +13,16 @@ inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 
 // taxels, which gives what Gamma is off by over each deviation. side: a taxel's side; a: the contact's
 // radius.
 struct HertzDeviationOptions {
-  // What square taxels on a round rim make of each deviation, over (side/a)^3; 0 … 2. Too small: coarse
-  // arrays refuse round contacts. Too large: coarse arrays see no deviation.
-  double rim_tilt = 0.75;
+  // What square taxels on a round rim make of tilt and kurtosis, and of ellipticity, over (side/a)^3; 0 … 2,
+  // 0 … 1. Too small: coarse arrays refuse round contacts. Too large: coarse arrays see no deviation.
+  double rim = 0.7;
   double rim_ellipticity = 0.15;
-  double rim_kurtosis = 0.6;
   // What a taxel that senses less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
   // Too small and too large: as above.
   double point_kurtosis = 0.2;
-  // Gamma's standard deviation, over tilt/(1 + tilt_saturation tilt), over ellipticity^2, over excess
-  // kurtosis; 0 … 5. Too small: sigma is less than the error on such contacts. Too large: it is more.
-  double tilt_sigma = 0.22;
-  double tilt_saturation = 2;
-  double ellipticity_sigma = 0.35;
-  double kurtosis_sigma = 2;
+  // Gamma's standard deviation at the greatest tilt, max_ellipticity or max_kurtosis; 0 … 0.3. Too small:
+  // sigma is less than the error on such contacts. Too large: it is more.
+  double most_sigma = 0.11;
   // From here on a frame gives no margin of its own; 0 … 1 and 0 … 0.5. Too small: usable contacts are
   // refused. Too large: margins are given for contacts of another kind, and sigma does not cover their error.
   double max_ellipticity = 0.5;

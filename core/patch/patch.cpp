@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
@@ -99,7 +100,7 @@ double PatchFinder::radius_of(double second_moment_m2) const noexcept {
 bool PatchFinder::locate() noexcept {
   if (!(peak_pa_ > kStandsOutSigmas * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
   const auto least = static_cast<float>(
-      std::max(options_.first_guess_sigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
+      std::max(kStandsOutSigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
   const PlaceSums sums = kernels_.place(patch_.taxels, least);
   patch_.center_x_m = sums.px / sums.p;
   patch_.center_y_m = sums.py / sums.p;
@@ -114,7 +115,7 @@ std::size_t PatchFinder::refine() noexcept {
   const double side = layout_.side_m();
   std::size_t dead_taxels = 0;
   for (int round = 0; round < options_.max_rounds; ++round) {
-    gather(options_.reach_factor * patch_.radius_m + options_.reach_sides * side);
+    gather(options_.reach_factor * patch_.radius_m + kHalfDiagonal * side);
     const PlaceSums sums = kernels_.weigh(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
                                           static_cast<float>(patch_.center_y_m), dead_taxel_test());
     if (!(sums.p > 0)) {
@@ -152,7 +153,7 @@ std::size_t PatchFinder::refine() noexcept {
 DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
   if (!options_.fill_dead_taxels || a < options_.dead_min_radius_sides * layout_.side_m()) return {};
-  if (patch_.noise_normal_pa > options_.dead_max_noise_share * peak_pa_) return {};
+  if (kClearSigmas * patch_.noise_normal_pa > options_.dead_below_share * peak_pa_) return {};
   return {static_cast<float>(options_.dead_below_share * peak_pa_),
           static_cast<float>(options_.dead_within_share * a * a)};
 }
@@ -313,7 +314,7 @@ void PatchFinder::measure_shear_noise() noexcept {
     return;
   }
   const std::size_t off = layout_.size() - patch_.count;
-  if (off < options_.min_free_taxels) {  // hardly a taxel is free: taken as noisy as the pressure
+  if (off < kLeastTaxels) {  // hardly a taxel is free: taken as noisy as the pressure
     patch_.noise_shear_pa = patch_.noise_normal_pa;
     return;
   }

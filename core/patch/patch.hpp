@@ -68,20 +68,20 @@ struct ContactPatch {
   }
 };
 
+// Half of a taxel's diagonal, in sides; rounded up.
+inline constexpr double kHalfDiagonal = 0.7072;
+
 // side: a taxel's side; a: the contact's radius; peak: the frame's largest pressure. Dimensionless unless a
 // unit is given. Checked with `slipd-lab tradeoff` (places and forces of contacts on all layouts), those of
 // dead taxels with `slipd-lab stability --parts adversary`.
 struct PatchOptions {
-  // Taxels that the first guess of the disc is made from: above this many standard deviations, and above this
-  // share of the peak; 2 … 5, 0 … 0.2. Too small: noise far off draws the guess. Too large:
-  // the guess is too small, and takes more rounds.
-  double first_guess_sigmas = 4;
+  // Taxels that the first guess of the disc is made from stand out of noise, and are above this share of the
+  // peak; 0 … 0.2. Too small: cross-talk far off draws the guess. Too large: the guess is too small, and takes
+  // more rounds.
   double first_guess_share = 0.02;
-  // The disc that forces are summed over is wider than the contact by this factor and by this many sides
-  // (half a taxel's diagonal, rounded up); 1 … 1.3, 0.5 … 1.5. Too small: the rim's force is lost. Too large:
-  // more noise is summed.
+  // The disc that forces are summed over is wider than the contact by this factor, and by half a taxel's
+  // diagonal; 1 … 1.3. Too small: the rim's force is lost. Too large: more noise is summed.
   double reach_factor = 1.06;
-  double reach_sides = 0.7072;
   // Floor of the pressure's second moment, over side^2; 0.005 … 0.5. Too small: a contact on one taxel has no
   // radius. Too large: small contacts come out larger.
   double min_second_moment = 0.05;
@@ -95,9 +95,6 @@ struct PatchOptions {
   // A contact is cut when it reaches beyond the outermost taxels' edges by more than this, in sides; 0 … 1.
   // Too small: whole contacts count as cut, and moments give no margin. Too large: a lost rim goes unnoticed.
   double cut_slack_sides = 0.25;
-  // Fewer free taxels than this measure no shear noise: it is taken for that of pressure; taxels, 2 … 100.
-  // Too small: noise of a few taxels scatters. Too large: sensors with other noise in shear are misjudged.
-  std::size_t min_free_taxels = 8;
 
   // Whether neighbours stand for dead taxels. Not on pads that sense flat objects: those have hollows.
   bool fill_dead_taxels = true;
@@ -106,9 +103,8 @@ struct PatchOptions {
   // large: hollow contacts are filled.
   double dead_below_share = 0.1;
   double dead_within_share = 0.8;
-  // With more noise, of the peak, or a smaller radius, in sides, no taxel is called dead; 0 … 0.1, 1 … 5. Too
-  // large, too small: noise and small contacts are taken for dead taxels. The other way: dead ones stay.
-  double dead_max_noise_share = 0.04;
+  // With a smaller radius, in sides, no taxel is called dead, nor where that share is not clear of noise; 1 …
+  // 5. Too small: small contacts are taken for dead taxels. Too large: dead ones stay.
   double dead_min_radius_sides = 1.5;
   // At most one in so many of the disc's taxels may be dead; 2 … 20. Too small: hollow contacts are filled.
   // Too large: bad arrays are not repaired.

@@ -14,7 +14,7 @@ SquareBlocks::SquareBlocks(const TaxelLayout& layout, double most_along_radius)
       grid_left_m_(layout.x_m().front() - 0.5 * grid_.pitch_m),
       grid_bottom_m_(layout.y_m().front() - 0.5 * grid_.pitch_m) {
   // Of single taxels a contact just too small for blocks of four has most.
-  const double radius = 2 * most_along_radius * kPatch.reach_factor + kPatch.reach_sides;
+  const double radius = 2 * most_along_radius * kPatch.reach_factor + kHalfDiagonal;
   most_along_ =
       std::min(std::max(grid_.columns, grid_.rows), static_cast<std::size_t>(std::ceil(2 * radius)) + 2);
   rows_.reserve(most_along_);
@@ -38,7 +38,7 @@ void SquareBlocks::sum(const ContactPatch& patch, double along_radius) noexcept 
   const auto narrowest = static_cast<double>(std::min(grid_.columns, grid_.rows));
   along_ = static_cast<std::size_t>(std::clamp(std::floor(sides / along_radius), 1.0, narrowest));
   side_m_ = pitch * static_cast<double>(along_);
-  const double reach_m = kPatch.reach_factor * patch.radius_m + kPatch.reach_sides * side_m_;
+  const double reach_m = kPatch.reach_factor * patch.radius_m + kHalfDiagonal * side_m_;
   const Span across = cover((patch.center_x_m - grid_left_m_) / pitch, reach_m / pitch, grid_.columns),
              up = cover((patch.center_y_m - grid_bottom_m_) / pitch, reach_m / pitch, grid_.rows);
   left_m_ = grid_left_m_ + pitch * static_cast<double>(across.first) - patch.center_x_m;

@@ -8,9 +8,6 @@
 namespace slipd {
 namespace {
 
-// Zeros of shear wander by more than those of pressure: |Q| up to which a block is unloaded, over that of P.
-constexpr double kShearOverNormal = 3;
-
 double mean_of(double one, double other) noexcept {
   return (one + other) / 2;
 }
@@ -76,7 +73,7 @@ void UnloadedNoise::finish_block() noexcept {
 
 void UnloadedNoise::count(const Means& block) noexcept {
   ++blocks_;
-  mean_.move(block, std::max(1.0 / blocks_, options_.block_s / options_.follow_s));
+  mean_.move(block, std::max(1.0 / blocks_, options_.block_s / kDrift_s));
   if (blocks_ < options_.min_blocks || !(mean_.normal_pa2 > 0)) return;
   noise_ = SensorNoise{.normal_pa = std::sqrt(mean_.normal_pa2),
                        .shear_pa = std::sqrt(mean_.shear_pa2),

@@ -22,23 +22,30 @@ struct SensorNoise {
   double shear_n = 0;
 };
 
+// Time in which a sensor's noise and zero change, as it warms up: what is older is forgotten to 1/e; s, 1 …
+// 1000. Too small: chance is noise, and a slow touch moves the zero. Too large: a sensor that warms up is left
+// behind.
+inline constexpr double kDrift_s = 10;
+
+// Zeros of shear wander by more than those of pressure: |Q| that may be nothing, over P that may be nothing; 1
+// … 10. Too small: drift and jitter of the zero are a pull. Too large: a contact that is pulled at without
+// pressure is none.
+inline constexpr double kShearOverNormal = 3;
+
 // Checked with `slipd-bench`.
 struct UnloadedNoiseOptions {
   // Frames are counted in blocks of this time, s, 0.02 … 1, and a block only if it and the next one are
   // unloaded in the mean. Too small: an approaching contact counts as noise. Too large: short pauses between
   // grasps are not used.
   double block_s = 0.1;
-  // Time in which older blocks are forgotten to 1/e, s, 1 … 100. Too small: chance. Too large: a sensor that
-  // warms up is taken for a quiet one.
-  double follow_s = 5;
   // Blocks before the noise is known; 1 … 50. Too small: chance. Too large: the first grasp comes before it.
   int min_blocks = 2;
 };
 
 class UnloadedNoise {
  public:
-  // unloaded_n: |P| of a block's mean up to which nothing touches the sensor, N, > 0; |Q| up to three times
-  // as much. Single frames of a noisy sensor exceed it.
+  // unloaded_n: |P| of a block's mean up to which nothing touches the sensor, N, > 0; |Q| up to
+  // kShearOverNormal times as much. Single frames of a noisy sensor exceed it.
   UnloadedNoise(const TaxelLayout& layout, double unloaded_n, const UnloadedNoiseOptions& options = {});
 
   // Every frame with a zero, in order of time.

@@ -13,6 +13,9 @@ namespace {
 constexpr double kSecondsPerHour = 3600;
 // Standard deviation of |x| over its mean, for Gaussian x: sqrt(pi/2 - 1).
 constexpr double kFoldedScatter = 0.7555;
+// TV for each e-fold of P of a contact that grows as Hertz's does, the fastest of the usual ones: a ~ P^(1/3),
+// and TV = 2/sqrt(3) |d ln a|.
+constexpr double kPatternPerLogNormal = 2 / (3 * std::numbers::sqrt3);
 
 // z with P(x > z) = p for a Gaussian x; p below 0.1. The tail phi(z)/z, solved by iteration.
 double gaussian_limit(double p) {
@@ -104,7 +107,7 @@ void SlidingDetector::follow_field() noexcept {
   course_.reset();
   if (armed_) course_ = course_since(std::min(compared_, blocks_.size() - 1));
   field_.coherence = coherence();
-  if (change.all > options_.clear_change)
+  if (change.all > options_.load_change)
     field_.coherence = std::max(field_.coherence, change.along / change.all);
   ++field_.block;
 }
@@ -262,7 +265,7 @@ bool SlidingDetector::settled(double most_fall) const noexcept {
   if (blocks_.size() <= agreeing) return false;
   for (std::size_t ago = 1; ago <= agreeing; ++ago) {
     const Change change = change_since(ago);
-    if (change.pattern > options_.settled_pattern || change.log_normal > options_.settled_normal ||
+    if (change.pattern > options_.sticking_pattern || change.log_normal > options_.load_change ||
         change.log_normal < -most_fall)
       return false;
   }
@@ -291,9 +294,10 @@ void SlidingDetector::arm() noexcept {
 
 std::optional<Sliding> SlidingDetector::judge_loaded() noexcept {
   if (blocks_.size() < 2) return std::nullopt;
-  if (settled_normal_ == 0 && settled(options_.settled_normal)) take_reference();
+  if (settled_normal_ == 0 && settled(options_.load_change)) take_reference();
   if (armed_) return judge_armed();
-  if (!settled(options_.settled_fall)) return Sliding::disturbed;
+  // A grip that overshot relaxes, and its pattern with it.
+  if (!settled(options_.sticking_pattern / kPatternPerLogNormal)) return Sliding::disturbed;
   arm();
   return Sliding::none;
 }
@@ -302,19 +306,19 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const double normal = normal_of(0);
   const bool slid = slides(now_);
   if (normal < (slid ? options_.let_go_below : options_.opened_below) * held_normal_ ||
-      normal > options_.gripped_above * held_normal_) {
-    if (normal > options_.gripped_above * settled_normal_) settled_normal_ = 0;  // gripped anew
+      options_.opened_below * normal > held_normal_) {
+    if (options_.opened_below * normal > settled_normal_) settled_normal_ = 0;  // gripped anew
     armed_ = false;
     return Sliding::disturbed;
   }
   if (slid) {
-    if (!settled(options_.settled_normal)) return now_;
+    if (!settled(options_.load_change)) return now_;
     arm();
     return Sliding::none;
   }
   compared_ = std::min({compared_ + 1, blocks_.blocks_in(options_.compared_blocks), blocks_.size() - 1});
   const Change change = change_since(compared_);
-  const double moved = change.pattern - options_.pattern_per_log_normal * std::fabs(change.log_normal);
+  const double moved = change.pattern - kPatternPerLogNormal * std::fabs(change.log_normal);
   const double limit = std::max(options_.sticking_pattern, noise_factor_ * pattern_noise_);
   moved_before_ = std::exchange(moved_, std::max(0.0, moved / limit));
   suspicious_ = moved > limit ? suspicious_ + 1 : 0;
@@ -325,8 +329,8 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     shear_noise_ += (last.shear - shear_noise_) / options_.follow_blocks;
     held_normal_ += (normal - held_normal_) / options_.follow_blocks;
   }
-  const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > options_.disturbed_normal ||
-                         change.shear > std::max(options_.disturbed_shear, noise_factor_ * shear_noise_);
+  const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > options_.load_change ||
+                         change.shear > std::max(options_.load_change, noise_factor_ * shear_noise_);
   return disturbed ? Sliding::disturbed : Sliding::none;
 }
 
@@ -334,7 +338,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
 // has vibration, jolts and noise, and against the noise alone.
 std::optional<Sliding> SlidingDetector::judge_raw() noexcept {
   const std::size_t n = blocks_.size();
-  if (n < options_.min_trend_blocks) return std::nullopt;
+  if (n < options_.compared_blocks) return std::nullopt;
   const auto count = static_cast<double>(n);
   const double squared_times = count * (count * count - 1) / 12;
   const std::size_t channels = 3 * blocks_.cells();

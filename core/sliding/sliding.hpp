@@ -84,51 +84,35 @@ struct SlidingOptions {
   // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too
   // large: small arrays show nothing.
   std::size_t min_cells = 4;
-  // The longest time that the pattern is compared over, blocks of TaxelBlockOptions::block_s, 2 …
-  // TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large: relaxation and drift of the skin
-  // add up.
+  // The longest time that the pattern is compared over, and what a trend needs without a zero; blocks of
+  // TaxelBlockOptions::block_s, 2 … TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large:
+  // relaxation and drift of the skin add up.
   std::size_t compared_blocks = 8;
   // A contact has settled when as many blocks agree as last as long as so many of block_s; 2 … 8. Too small:
   // an overshoot counts as settled. Too large: a slide soon after the grip is missed.
   std::size_t settled_blocks = 3;
-  // They agree up to this TV and this change of P; share, 0.01 … 0.1. Too small: shaking contacts never
-  // settle. Too large: closing counts as a hold.
-  double settled_pattern = 0.04;
-  double settled_normal = 0.05;
-  // P may fall by more, to this share: a grip that overshot relaxes. It is where a contact that grows as
-  // Hertz's does moves its pattern by settled_pattern: settled_pattern/pattern_per_log_normal; 0.02 … 0.3.
-  // Too small: a slide while the grip relaxes is missed. Too large: a gripper that opens counts as a hold.
-  double settled_fall = 0.1;
   // TV that a pattern moves by without sliding: rolling, the skin's own give; share, 0.02 … 0.2. Arms that
-  // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide. Too
-  // large: slides are seen late.
+  // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide, and
+  // shaking contacts never settle. Too large: slides are seen late.
   double sticking_pattern = 0.045;
-  // TV for each e-fold of P of a contact that grows as Hertz's does, the fastest of the usual ones: a
-  // ~ P^(1/3), and TV = 2/sqrt(3) |d ln a|. 0 … 0.5; flat ends have 0. Too small: a change of grip slides.
-  double pattern_per_log_normal = 0.385;
+  // The load changed: sum |d(q/P)|, or |d ln P|; 0.01 … 0.2. Too small: noise and relaxation are a change,
+  // and shaking contacts never settle. Too large: closing counts as a hold, and shear of pressing hides a
+  // slide at a low friction.
+  double load_change = 0.05;
   // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
   // late.
   int confirming_blocks = 2;
-  // Below this share of the held P the gripper opens, above that it grips anew; 0.5 … 0.9, 1.1 … 3. Sliding
-  // that was seen before ends below the third. Too near 1: a slide that frees the grip goes unseen. Too far:
-  // opening counts as sliding.
+  // Below this share of the held P the gripper opens, and P of which the held one is less than that is a new
+  // grip; 0.5 … 0.9. Sliding that was seen before ends below the second; 0.1 … 0.5. Too near 1: a slide that
+  // frees the grip goes unseen. Too far: opening counts as sliding.
   double opened_below = 0.75;
-  double gripped_above = 1.5;
   double let_go_below = 0.3;
-  // The load changed: sum |d(q/P)|, and |d ln P|; 0.01 … 0.5.
-  double disturbed_shear = 0.05;
-  double disturbed_normal = 0.1;
   // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
   // Too large: shaking that begins counts as sliding.
   double follow_blocks = 20;
-  // Change of shear over P, summed over cells, that has a coherence of its own; 0.02 … 0.5. Too small: noise
-  // and relaxation. Too large: shear of pressing hides a slide at a low friction.
-  double clear_change = 0.1;
   // Without a zero: the load changed when the root mean square of all channels moved by this many times the
   // noise of a block; 6 … 50. Too small: shaking and drift are disturbances. Too large: weak pulls are none.
   double disturbed_noises = 16;
-  // Blocks from which on a trend shows; 5 … TaxelBlocks::kKept.
-  std::size_t min_trend_blocks = 7;
   // Independent blocks, of all of a window: shaking is correlated in time; share, 0.2 … 1. Too small: slides
   // are missed. Too large: shaking slides.
   double independent_share = 0.5;

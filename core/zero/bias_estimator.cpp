@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
 
 namespace slipd {
@@ -341,7 +340,7 @@ void BiasEstimator::follow() noexcept {
   const auto now = block_.mean_pa();
   const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
   const auto share =
-      static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, options_.absent_s) / options_.follow_s));
+      static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, options_.absent_s) / kDrift_s));
   float way = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
@@ -25,18 +26,12 @@ namespace slipd {
 // block's mean. Nothing in slipd-lab has a bias: checked by tests/core/zero/bias_estimator_test.cpp, on
 // sensors with white and flicker noise, drift and touches.
 struct BiasEstimatorOptions {
-  // Time in which the bias follows a drift to 1/e; s, 1 … 1000. Too small: a slow touch is followed. Too
-  // large: a warming sensor is left behind, and no longer seen to be free.
-  double follow_s = 10;
   // Frames of a block that count as independent at most; 16 … 10000. Flicker noise does not fall with their
   // number. Too small: a slow touch is no movement. Too large: flicker is movement.
   float max_independent_frames = 100;
   // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
   // large: the answer comes late.
   int max_tries = 8;
-  // Fewer taxels show no shape of a contact; taxels, 4 … 50. Too small: offsets of a few taxels pass for a
-  // contact. Too large: a touch of a small array is taken for its bias.
-  std::size_t min_shape_taxels = 8;
   // A sensor without a serial number that sent no frame for so long may have been exchanged, and of a pause
   // no more counts for following a drift; s, 0.3 … 2. Too small: lost frames make a check that a wide contact
   // fails. Too large: a quick exchange goes unseen, and the first block after a pause moves the bias by much.
@@ -110,7 +105,7 @@ class BiasEstimator {
   void check_first(const Frame& frame) noexcept;
   void review() noexcept;
   bool fits_again(const Frame& block, bool below) const noexcept;
-  bool shows_shape() const noexcept { return taxels_ >= options_.min_shape_taxels; }
+  bool shows_shape() const noexcept { return taxels_ >= kLeastTaxels; }
   std::span<const float> last_seen() const noexcept {
     return std::span(last_seen_).first(has_last_seen_ ? last_seen_.size() : 0);
   }
