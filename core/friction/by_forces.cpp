@@ -51,7 +51,7 @@ void FrictionByForces::weigh_drop(const MeanSigma& /*load*/, const MeanSigma& dr
 }
 
 void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
-  if (patch.normal_n <= options_.grown * grasp_.lighter_n) return;
+  if (patch.normal_n <= kGrown * grasp_.lighter_n) return;
   if (grasp_.lighter_n > 0) posterior_.may_have_changed(1 - options_.kept_when_grown);
   grasp_.lighter_n = patch.normal_n;
 }

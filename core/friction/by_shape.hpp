@@ -23,7 +23,7 @@ class FrictionByShape final : public FrictionFilter {
 
   MeanSigma margin_offset() const noexcept override { return grasp_.margin_offset; }
   bool explained() const noexcept override {
-    return !grasp_.shear_lost && grasp_.unverified_frames <= options_.max_unverified_frames;
+    return !grasp_.shear_lost && grasp_.unverified_frames <= options_.history.confirming_frames;
   }
   bool shear_lost() const noexcept override { return grasp_.shear_lost; }
   bool understood() const noexcept override {

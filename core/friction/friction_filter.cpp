@@ -6,6 +6,7 @@
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
@@ -111,7 +112,7 @@ void FrictionFilter::weigh_profile(const MarginProfile& profile, double load) no
 bool FrictionFilter::explain(double least_squared, bool confirms_monotonic) noexcept {
   const bool outlier = least_squared > square(kClearSigmas);
   mean_residual_ +=
-      (1 - options_.residual_memory) * (std::min(least_squared, square(2 * kClearSigmas)) - mean_residual_);
+      kSlowGain * (std::min(least_squared, square(2 * kClearSigmas)) - mean_residual_);
   if (!outlier) {
     history_.explained(confirms_monotonic);
   } else if (history_.outlier()) {

@@ -70,9 +70,6 @@ struct FrictionFilterOptions {
   // Too small and too large: as above, after an unloading.
   double locked_in_share = 0.04;
 
-  // Memory of the mean of least squared residuals, frame by frame; 0 … 0.99. Too small: single frames take
-  // the margin away. Too large: margins of a model that no longer fits are given for longer.
-  double residual_memory = 0.9;
   // Mean of least squared residuals from which no margin is given; 1.2 … 9, below 1 where all is understood.
   double max_mean_residual = 2;
 
@@ -80,20 +77,9 @@ struct FrictionFilterOptions {
   // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
   // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
   double max_lost_step = 0.45;
-  // Frames with a clear shear in a row that may lack evidence of friction before older estimates are no
-  // longer trusted; frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for
-  // longer.
-  int max_unverified_frames = 25;
-  // Under a torque whose load has fallen memory answers while taxels carry less than this of the friction
-  // that was learnt; 1.02 … 1.3. Too small: noise takes the margin away. Too large: friction that was learnt
-  // too low is kept.
-  double held_ratio = 1.1;
 
-  // P that grows by more than this factor leaves what a lighter contact of a force-only sensor showed; 1.2 …
-  // 10: a touch may hook, and its zero is a larger part of it. Too small: a regrip forgets friction. Too
-  // large: the first touch bounds friction for long.
-  double grown = 2;
-  // What is kept of that evidence; share, 0 … 1.
+  // What is kept of the evidence of a lighter contact of a force-only sensor when P has grown by more than
+  // kGrown; share, 0 … 1. Too small: a regrip forgets friction. Too large: the first touch bounds it for long.
   double kept_when_grown = 0.25;
   // Taxels that carry more than this of P against each other say nothing of friction
   // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:

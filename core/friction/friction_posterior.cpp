@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
@@ -23,10 +24,6 @@ OfResidual of_residual(double squared) noexcept {
   const double per = 1 / (kDegrees + squared), tail = kDegrees * per;
   return {tail * tail * tail, squared > 1 ? (kDegrees + 1) * per : 1};
 }
-
-// Of the mean of what frames have in common, frame by frame; 0.02 … 0.5. Too small: after a change of load
-// few frames count for too much or too little. Too large: frames whose noise shows less friction weigh more.
-constexpr double kUsualGain = 0.2;
 
 // Nats beyond which nothing is left of a weight.
 constexpr double kNothingLeft = 40;
@@ -114,7 +111,7 @@ void FrictionPosterior::take(Evidence by, std::span<const double> residual, doub
   CommonError& error = errors_[static_cast<std::size_t>(by)];
   // A frame's own would be larger or smaller with its noise, and so would what is learnt from it.
   const double usual = error.usual > 0 ? error.usual : common;
-  error.usual = usual + kUsualGain * (common - usual);
+  error.usual = usual + kQuickGain * (common - usual);
   common = usual;
   noise = std::max(noise, options_.least_noise_share * common);
   const double open = error.variance * common * common, all = open + noise * noise;

@@ -50,10 +50,11 @@ struct HistoryOptions {
   // ends it, and no margin is given for confirming_frames. Too large: margins from a history that is wrong
   // are given for longer.
   int outlier_frames = 8;
-  // Frames that an assumed monotonic load must explain before its margins are given; frames, 1 … 200. Too
-  // small: a grasp met after an unloading passes for a monotonic one. Too large: such a grasp stays without a
-  // margin for longer.
-  int confirming_frames = 20;
+  // Frames that an assumed monotonic load must explain before its margins are given, and frames with a clear
+  // shear in a row that may lack evidence of friction before older estimates are no longer trusted; frames, 1
+  // … 200. Too small: a grasp met after an unloading passes for a monotonic one, and margins have gaps. Too
+  // large: such a grasp stays without a margin for longer, and others have one from the past.
+  int confirming_frames = 25;
 };
 
 // The state, and the two counts of frames that change it.

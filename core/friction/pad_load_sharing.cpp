@@ -129,8 +129,8 @@ void PadLoadSharing::find_limits(double power, Limits& limits) const noexcept {
   double sum = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
     const double acting = std::pow(n * pressed_[i], power);
-    limits[2 * i] = (1 - options_.uneven_friction) * acting;
-    limits[2 * i + 1] = (1 + options_.uneven_friction) * acting;
+    limits[2 * i] = (1 - options_.uneven) * acting;
+    limits[2 * i + 1] = (1 + options_.uneven) * acting;
     sum += 2 * acting;
   }
   std::sort(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(2 * taxels_));
@@ -170,7 +170,7 @@ PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) con
   const double by_noise = noise * square(prior / (prior + noise)) + noise_now;
   return {.gone = std::max(0.0, squares / n - by_noise),
           .still = square(options_.still_way) + square(options_.still_way_share) * uneven / n +
-                   square(options_.still_way_turned * turned) + noise_now / 2};
+                   square(options_.uneven * turned) + noise_now / 2};
 }
 
 // Of taxels that stand alone each one's shear.
@@ -183,7 +183,7 @@ void PadLoadSharing::compare_pattern(const Loads& loads, const Pull& pull, Misfi
     const double used = loads.used(loads.pull, j), shift = shift_of(sorted.data(), taxels_, used);
     for (std::size_t i = 0; i < taxels_; ++i) {
       const double carried = std::min(shift, pressed_[i] / used);
-      alone[j] += 0.5 * square(pulled_[i] - carried) / (variance + square(options_.uneven_share * carried));
+      alone[j] += 0.5 * square(pulled_[i] - carried) / (variance + square(options_.uneven * carried));
     }
   }
 }
@@ -199,8 +199,8 @@ void PadLoadSharing::compare_way(const Loads& loads, const Way& way, Misfits& al
   find_limits(options_.spread_pressure, acting);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double now = loads.used(loads.pull, j), before = loads.used(begun, j);
-    alone[j] += misfit(way_between(sensed, now, before), options_.alone_sigma);
-    under_layer[j] = misfit(options_.spread_shear * way_between(acting, now, before), options_.layer_sigma);
+    alone[j] += misfit(way_between(sensed, now, before), options_.way_sigma);
+    under_layer[j] = misfit(options_.spread_shear * way_between(acting, now, before), options_.way_sigma);
   }
 }
 

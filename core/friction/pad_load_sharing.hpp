@@ -36,17 +36,17 @@ struct PadLoadSharingOptions {
   double least_pull = 0.2;
   // A pull below this share of the greatest one has fallen, and is not read; 0.7 … 1.
   double fallen = 0.9;
-  // Standard deviations of what a taxel that stands alone carries: of that, and of the mean of all; 0.05 …
-  // 0.5. Too small: rubber of uneven stiffness passes for slip. Too large: nothing is learnt.
-  double uneven_share = 0.15;
+  // Standard deviation over the pad of what a taxel that stands alone carries, of friction (one half is above
+  // its mean, the other below), and of what a layer passes on along a pull and across it; 0.05 … 0.5. Too
+  // small: uneven rubber passes for slip, and a pad that is pressed evenly slips unseen. Too large: nothing is
+  // learnt, and pads seem to slip early.
+  double uneven = 0.15;
+  // The same of what a taxel carries, of the mean of all; 0.05 … 0.5. As above.
   double uneven_mean = 0.1;
   // Mean squared misfit of a taxel from which on taxels are likelier to lie under a layer than to stand
   // alone; 0.5 … 3. Too small: a pillar that is unlike its neighbours passes for a layer. Too large: the
   // other way.
   double most_misfit = 1.5;
-  // Standard deviation of friction over the pad, of its mean: one half is above, the other below; 0 … 0.3.
-  // Too small: a pad that is pressed evenly slips unseen. Too large: it seems to slip early.
-  double uneven_friction = 0.15;
   // A layer evens out the pressure that acts on it, more where it is more uneven: what acts is the share that
   // is sensed to this power; 1 … 2. Too small: the first slip is seen late. Too large: it is taken for none.
   double spread_pressure = 1.2;
@@ -54,18 +54,14 @@ struct PadLoadSharingOptions {
   // the taxels, they sense this share, 0.1 … 1. A half space passes on 0.27 … 0.6 of what it passes on of the
   // pressure, as deep as 0.3 … 0.9 of a pitch, of waves from one to ten pitches.
   double spread_shear = 0.4;
-  // Standard deviations of the logarithm of that way, of pads under a layer and of those that stand alone;
-  // 0.2 … 1. Too small: a way that is sensed by more than most is a false alert. Too large: no margin is
-  // clear.
-  double layer_sigma = 0.35;
-  double alone_sigma = 0.45;
+  // Standard deviation of the logarithm of that way; 0.2 … 1. Too small: a way that is sensed by more than
+  // most is a false alert. Too large: no margin is clear.
+  double way_sigma = 0.4;
   // Way that a pattern goes without slip: of the mean, 0.005 … 0.05; of the pressure's unevenness, 0.02 …
-  // 0.2, for shear of pressing; and of the sine of the angle by which the pull has turned, 0.1 … 1, for a
-  // layer passes shear on along it and across it in other shares. Too small: false alerts. Too large: slip of
-  // evenly pressed pads is not seen.
+  // 0.2, for shear of pressing; and `uneven` of the sine of the angle by which the pull has turned. Too small:
+  // false alerts. Too large: slip of evenly pressed pads is not seen.
   double still_way = 0.01;
   double still_way_share = 0.05;
-  double still_way_turned = 0.15;
   // Standard deviation, over taxels, of what they carry of a pull that begins; of the mean; 0.1 … 0.5. Too
   // small: rubber of uneven stiffness passes for slip. Too large: noise of the beginning does.
   double stiffness_sigma = 0.3;

@@ -6,16 +6,12 @@
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
 
 constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without shear
-
-// Standard deviation of a running mean of independent values with this gain, over that of one of them.
-double sigma_of_mean(double gain) noexcept {
-  return std::sqrt(gain / (2 - gain));
-}
 
 }  // namespace
 
@@ -23,7 +19,7 @@ void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const MeanSigma ratio{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
   // The first frame, and each of a sensor without noise, stands for itself.
   const bool alone = state_.line.frames == 0 || !(ratio.sigma > 0);
-  const double gain = alone ? 1 : options_.mean_gain;
+  const double gain = alone ? 1 : kSlowGain;
   state_.mean += gain * (ratio.mean - state_.mean);
   state_.normal_n += gain * (patch.normal_n - state_.normal_n);
   state_.shear.x_n += gain * (patch.shear_x_n - state_.shear.x_n);
@@ -32,7 +28,7 @@ void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const bool begins = alone || !(std::fabs(residual) < options_.jump_sigmas * ratio.sigma);
   frame_ = {.now = begins ? restart_line(ratio) : extend_line(residual, ratio.sigma),
             .sigma = ratio.sigma,
-            .normal_sigma_n = sigma_of_mean(options_.mean_gain) * patch.normal_sigma_n};
+            .normal_sigma_n = sigma_of_mean(kSlowGain) * patch.normal_sigma_n};
   state_.level = frame_.now.mean;
 }
 
@@ -49,8 +45,8 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   const double expected = state_.level + line.slope;
   if (line.frames > options_.frames_after_turn) {
     const double n = line.frames, scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));
-    line.residual += options_.residual_gain * (residual / scatter - line.residual);
-    if (std::fabs(line.residual) > kClearSigmas * sigma_of_mean(options_.residual_gain)) {
+    line.residual += kQuickGain * (residual / scatter - line.residual);
+    if (std::fabs(line.residual) > kClearSigmas * sigma_of_mean(kQuickGain)) {
       line.frames = options_.frames_after_turn;
       line.residual = 0;
     }
@@ -58,7 +54,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
   line.frames = std::min(line.frames + 1, options_.max_line_frames);
   const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
   line.slope += slope_gain * residual;
-  const double lag = std::max(0.0, std::fabs(line.residual) - sigma_of_mean(options_.residual_gain));
+  const double lag = std::max(0.0, std::fabs(line.residual) - sigma_of_mean(kQuickGain));
   const double level = std::max(0.0, expected + level_gain * residual);
   // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by
   // sqrt(pi/2) sigma without shear (Rice 1944).
@@ -68,7 +64,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
 }
 
 MeanSigma TractionRatioFilter::held() const noexcept {
-  return {state_.mean, std::max(sigma_of_mean(options_.mean_gain) * frame_.sigma,
+  return {state_.mean, std::max(sigma_of_mean(kSlowGain) * frame_.sigma,
                                 options_.held_floor_mean * frame_.now.mean)};
 }
 
@@ -91,7 +87,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
   const auto [ratio, sigma] = frame_.now;
   state_.highest = std::max(state_.highest, ratio - sigma);
   if (state_.normal_n >
-      (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n + kClearSigmas * frame_.normal_sigma_n)
+      (1 + options_.plateau) * state_.at_last_grip_rise.normal_n + kClearSigmas * frame_.normal_sigma_n)
     state_.at_last_grip_rise = {ratio, state_.normal_n};
   const std::optional<Slide> even = read_plateau();
   if (sliding.field.known && sliding.field.coherence < options_.min_coherence) return std::nullopt;
@@ -110,7 +106,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
     if (state_.mean > 0) state_.moving = state_.shear;
     return std::nullopt;
   }
-  return Slide{state_.mean, options_.moving_sigma};
+  return Slide{state_.mean, options_.slide_sigma};
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
@@ -129,9 +125,9 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
                fallen_n = began_n - state_.normal_n - kClearSigmas * frame_.normal_sigma_n;
   if (fallen_n < options_.plateau_fall * began_n) return std::nullopt;
   if (ratio < options_.min_of_highest * state_.highest) return std::nullopt;
-  if (ratio < options_.risen * state_.at_last_grip_rise.ratio + options_.alike_sigmas * sigma)
+  if (options_.min_of_highest * ratio < state_.at_last_grip_rise.ratio + options_.alike_sigmas * sigma)
     return std::nullopt;
-  return Slide{ratio, options_.plateau_sigma};
+  return Slide{ratio, options_.slide_sigma};
 }
 
 }  // namespace slipd

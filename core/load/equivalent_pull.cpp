@@ -19,9 +19,9 @@ bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
 }
 
 bool EquivalentPull::changes_shear(const ContactPatch& patch, bool changed) const noexcept {
-  const double share = (changed ? options_.kept_share : 1) * options_.changing_share;
-  return std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m &&
-         (changed || std::fabs(patch.torque_nm) > options_.changing_sigmas * patch.torque_sigma_nm);
+  const double torque_nm = std::fabs(patch.torque_nm);
+  return torque_nm > options_.changing_share * patch.shear_n * patch.radius_m &&
+         (changed || torque_nm > kStandsOutSigmas * patch.torque_sigma_nm);
 }
 
 EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, TorqueEffect previous) noexcept {

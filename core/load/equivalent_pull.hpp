@@ -28,14 +28,11 @@ struct EquivalentPullOptions {
   // What coarse taxels add to that share, over (side/a)^2; 0 … 0.3. Too small and too large: as above, on few
   // taxels.
   double coarse_share = 0.1;
-  // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it; 0.02 … 0.3.
+  // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it, once the
+  // torque has stood out of noise; 0.02 … 0.3.
   // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
   // friction of pulls are given for fields that torque has changed.
   double changing_share = 0.1;
-  // And above this many standard deviations before it has bent the field; 4 … 10. Too small: in light
-  // contacts and without a pull noise seems to change the field, and the load's history is lost. Too large:
-  // as above.
-  double changing_sigmas = 6;
   // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too
   // large: too low.
@@ -44,8 +41,6 @@ struct EquivalentPullOptions {
   // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `slipd-lab torque` on
   // 4 x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
   double coarse_sigma_share = 0.2;
-  // While it was above, the share below which it is not any more, of changing_share; 0.5 … 1.
-  double kept_share = 0.8;
 };
 
 enum class TorqueEffect : std::uint8_t {

@@ -10,6 +10,11 @@
 
 namespace slipd {
 
+// A grip, or a load, that has grown by this factor is another one: what a lighter touch showed, as the gripper
+// closed, says nothing of it; 1.2 … 5: a touch may hook, and its zero is a larger part of it. Too small: a
+// regrip forgets friction and its history. Too large: the first touch counts for long.
+inline constexpr double kGrown = 2;
+
 // Of a frame, as its taxels measure them.
 struct ContactForces {
   double normal_n = 0;                  // P, N

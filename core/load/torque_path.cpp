@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -44,10 +45,10 @@ void TorquePath::follow_load(const ContactPatch& patch, const EquivalentPullResu
   const double noise_n =
       kSigmas * norm(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), pull.pull_sigma_n);
   const double most_n = over_lever(path_.most.shear_n, path_.most.torque_nm);
-  if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n)
+  if (load_n > kClear * noise_n && load_n >= most_n / 2)
     follow_direction(patch, load_n, noise_n);
-  const bool tightened = path_.grip_n > 0 && patch.normal_n > (1 + options_.tightened_share) * path_.grip_n;
-  out.straight = path_.straight && load_n + noise_n >= options_.rising_share * most_n && !tightened;
+  const bool tightened = path_.grip_n > 0 && patch.normal_n > (1 + options_.steady_share) * path_.grip_n;
+  out.straight = path_.straight && load_n + noise_n >= (1 - options_.steady_share) * most_n && !tightened;
   out.risen = load_n + noise_n >= options_.risen_share * most_n;
   if (load_n - noise_n <= most_n) return;
   const double kept = 1 - noise_n / load_n;
@@ -58,10 +59,10 @@ void TorquePath::follow_load(const ContactPatch& patch, const EquivalentPullResu
 void TorquePath::follow_direction(const ContactPatch& patch, double load_n, double noise_n) noexcept {
   const double lever_m = patch.radius_m, noise = noise_n / patch.normal_n;
   if (!(lever_m > 0)) return;
-  if (load_n > options_.grown * path_.at_grip_n) {
+  if (load_n > kGrown * path_.at_grip_n) {
     path_.grip_n = patch.normal_n;
     path_.at_grip_n = load_n;
-  } else if (patch.normal_n < (1 + options_.tightened_share) * path_.grip_n) {
+  } else if (patch.normal_n < (1 + options_.steady_share) * path_.grip_n) {
     path_.grip_n = std::min(path_.grip_n, patch.normal_n);
     path_.at_grip_n = std::max(path_.at_grip_n, load_n);
   }
@@ -77,7 +78,7 @@ void TorquePath::follow_direction(const ContactPatch& patch, double load_n, doub
   if (!(squares > options_.step_share * options_.step_share * length)) return;
   path_.across += std::sqrt(std::max(0.0, squares - along * along / length - 2 * noise * noise));
   path_.last = now;
-  path_.straight = path_.across < options_.straight_share * std::sqrt(length);
+  path_.straight = path_.across < options_.step_share * std::sqrt(length);
 }
 
 // After a pull what sticks bears P - Q/mu, and traces of earlier loads are wiped where that falls below all
@@ -87,7 +88,7 @@ bool TorquePath::sticks_least(const ContactPatch& patch, const EquivalentPullRes
   StuckState& least = path_.least_stuck;
   const double stuck_n = patch.normal_n - pull.pull_n / friction;
   const double least_n = least.normal_n - least.pull_n / friction;
-  if (stuck_n <= least_n || pull.pull_n > options_.grown * least.pull_n) {
+  if (stuck_n <= least_n || pull.pull_n > kGrown * least.pull_n) {
     least = {patch.normal_n, pull.pull_n};
     return true;
   }

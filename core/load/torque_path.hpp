@@ -15,22 +15,15 @@ struct TorquePathOptions {
   // A load below this share of its maximum has fallen; 0.8 … 0.99. Too small: fields that slipped before and
   // stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
   double risen_share = 0.97;
-  // The load path is followed in steps of this share of the load, above this share of the load's maximum;
-  // 0.02 … 0.3, 0.2 … 0.8. Too small: noise bends the path. Too large: bends are not detected.
-  double step_share = 0.1;
-  double followed_share = 0.5;
-  // The path is straight while the sum of its steps across the load is at most this share of the load; 0.03 …
-  // 0.3. Too small: few paths are straight. Too large: other histories are read as a load that only rose.
-  double straight_share = 0.12;
-  // And while the normal force is above the reference grip by at most this share, and the load is at least
-  // this share of its maximum; 0.005 … 0.05, 0.95 … 0.995. Too strict: noise is taken for a regrip, or for a
-  // fall. Too lax: a rim whose slip has reversed is read as a load near slip.
-  double tightened_share = 0.015;
-  double rising_share = 0.99;
-  // A load this many times the largest one at the reference grip makes the present grip the reference; 1.5 …
-  // 5. Too small: regrips pass. Too large: after a light touch while the gripper closes, every grip is taken
-  // for a regrip.
-  double grown = 3;
+  // The load path is followed in steps of this share of the load, above half of the load's maximum, and is
+  // straight while the sum of its steps across the load is at most this share; 0.02 … 0.3. Too small: noise
+  // bends the path. Too large: bends are not detected, and other histories are read as a load that only rose.
+  double step_share = 0.12;
+  // And while the normal force is above the reference grip by at most this share, and the load below its
+  // maximum by no more; 0.005 … 0.05. A load kGrown times the largest one at the reference grip makes the
+  // present grip the reference. Too small: noise is taken for a regrip, or for a fall. Too large: a rim whose
+  // slip has reversed is read as a load near slip.
+  double steady_share = 0.012;
   // What sticks bears its least load within this share of P, and the noise of the pull; 0.01 … 0.1. Too
   // small: noise is taken for a trace of an earlier load. Too large: such traces are read as friction.
   double stuck_share = 0.05;

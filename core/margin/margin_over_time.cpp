@@ -10,6 +10,7 @@
 #include "core/friction/by_pillars.hpp"
 #include "core/friction/by_shape.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/reading/torque/torque_moment_ratio.hpp"
 
 namespace slipd {
 namespace {
@@ -255,7 +256,7 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
     MeanSigma margin;
     if (torque && reading->in_model) {
       margin = by_itself(*reading, out);
-    } else if (torque && !(now->relative() < options_.turning_known_sigma)) {
+    } else if (torque && !(now->relative() < kMostTurningSigma)) {
       margin = {now->margin.mean, std::numeric_limits<double>::infinity()};
     } else if (reading == nullptr || torque) {
       margin = by_memory(*now, reading);

@@ -33,10 +33,6 @@ struct MarginOverTimeOptions {
   // The same for friction under torque; relative, 0.03 … 0.3. Too small: friction lags
   // behind the frames. Too large: friction is given that is off by more than a tenth.
   double frame_known_sigma = 0.1;
-  // Memory of friction gives margins under a torque if its sigma is below this; relative, 0.1 … 0.4. Too
-  // small: loads that rise get no margin before taxels slip. Too large: friction that a light pull has shown
-  // gives heavier loads margins that are too safe.
-  double turning_known_sigma = 0.18;
   // Friction is learnt when frames have left less than this of the prior's relative sigma; 0.1 … 0.95. Too
   // small: friction is given late. Too large: the prior is given for friction.
   double learnt_share = 0.6;

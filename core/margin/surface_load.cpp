@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
@@ -66,8 +67,8 @@ SurfaceLoad ForcesUnderSkin::of(const ContactPatch& patch, const ContactPatch& p
   if (shows_forces(patch, reading)) {
     const Share now{reading.normal_n / patch.normal_n, reading.shear_n / patch.shear_n};
     if (!share_) share_ = now;
-    share_->normal += kGain * (now.normal - share_->normal);
-    share_->shear += kGain * (now.shear - share_->shear);
+    share_->normal += kQuickGain * (now.normal - share_->normal);
+    share_->shear += kQuickGain * (now.shear - share_->shear);
   }
   if (!share_) {
     SurfaceLoad load = measured_load(patch, pull);

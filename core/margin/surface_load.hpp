@@ -60,10 +60,6 @@ class ForcesAtSurface final : public SurfaceForces {
 // first reading has shown it.
 class ForcesUnderSkin final : public SurfaceForces {
  public:
-  // How fast the share follows what a frame shows of it; 0.02 … 1. Too small: it lags behind a contact that
-  // grows. Too large: noise of single frames moves the forces.
-  static constexpr double kGain = 0.2;
-
   std::string_view name() const noexcept override { return "forces_under_skin"; }
   SurfaceLoad of(const ContactPatch& patch, const ContactPatch& pull, const Reading& reading,
                  Estimate& out) noexcept override;

@@ -100,7 +100,7 @@ double PatchFinder::radius_of(double second_moment_m2) const noexcept {
 bool PatchFinder::locate() noexcept {
   if (!(peak_pa_ > kStandsOutSigmas * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
   const auto least = static_cast<float>(
-      std::max(kStandsOutSigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
+      std::max(options_.first_guess_sigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
   const PlaceSums sums = kernels_.place(patch_.taxels, least);
   patch_.center_x_m = sums.px / sums.p;
   patch_.center_y_m = sums.py / sums.p;

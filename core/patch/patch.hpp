@@ -75,9 +75,10 @@ inline constexpr double kHalfDiagonal = 0.7072;
 // unit is given. Checked with `slipd-lab tradeoff` (places and forces of contacts on all layouts), those of
 // dead taxels with `slipd-lab stability --parts adversary`.
 struct PatchOptions {
-  // Taxels that the first guess of the disc is made from stand out of noise, and are above this share of the
-  // peak; 0 … 0.2. Too small: cross-talk far off draws the guess. Too large: the guess is too small, and takes
-  // more rounds.
+  // Taxels that the first guess of the disc is made from: above this many standard deviations, and above this
+  // share of the peak; 2 … 5, 0 … 0.2. Too small: noise far off draws the guess. Too large:
+  // the guess is too small, and takes more rounds.
+  double first_guess_sigmas = 4;
   double first_guess_share = 0.02;
   // The disc that forces are summed over is wider than the contact by this factor, and by half a taxel's
   // diagonal; 1 … 1.3. Too small: the rim's force is lost. Too large: more noise is summed.

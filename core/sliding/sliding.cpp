@@ -13,8 +13,8 @@ namespace {
 constexpr double kSecondsPerHour = 3600;
 // Standard deviation of |x| over its mean, for Gaussian x: sqrt(pi/2 - 1).
 constexpr double kFoldedScatter = 0.7555;
-// TV for each e-fold of P of a contact that grows as Hertz's does, the fastest of the usual ones: a ~ P^(1/3),
-// and TV = 2/sqrt(3) |d ln a|.
+// TV for each e-fold of P of a contact that grows as Hertz's does, the fastest of the usual ones: a ~
+// P^(1/3), and TV = 2/sqrt(3) |d ln a|.
 constexpr double kPatternPerLogNormal = 2 / (3 * std::numbers::sqrt3);
 
 // z with P(x > z) = p for a Gaussian x; p below 0.1. The tail phi(z)/z, solved by iteration.
@@ -63,7 +63,10 @@ std::string_view to_string(Sliding sliding) noexcept {
 
 SlidingDetector::SlidingDetector(const TaxelLayout& layout, double false_alarms_per_hour,
                                  const SlidingOptions& options)
-    : options_(options), blocks_(layout), has_pattern_(blocks_.cells() >= options.min_cells) {
+    : options_(options),
+      blocks_(layout),
+      relaxed_(options.sticking_pattern / kPatternPerLogNormal),
+      has_pattern_(blocks_.cells() >= options.min_cells) {
   const double blocks_per_hour = kSecondsPerHour / blocks_.block_s();
   noise_factor_ =
       1 + kFoldedScatter * gaussian_limit(std::min(0.01, false_alarms_per_hour / blocks_per_hour));
@@ -296,8 +299,7 @@ std::optional<Sliding> SlidingDetector::judge_loaded() noexcept {
   if (blocks_.size() < 2) return std::nullopt;
   if (settled_normal_ == 0 && settled(options_.load_change)) take_reference();
   if (armed_) return judge_armed();
-  // A grip that overshot relaxes, and its pattern with it.
-  if (!settled(options_.sticking_pattern / kPatternPerLogNormal)) return Sliding::disturbed;
+  if (!settled(relaxed_)) return Sliding::disturbed;
   arm();
   return Sliding::none;
 }
@@ -306,8 +308,8 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const double normal = normal_of(0);
   const bool slid = slides(now_);
   if (normal < (slid ? options_.let_go_below : options_.opened_below) * held_normal_ ||
-      options_.opened_below * normal > held_normal_) {
-    if (options_.opened_below * normal > settled_normal_) settled_normal_ = 0;  // gripped anew
+      normal > options_.gripped_above * held_normal_) {
+    if (normal > options_.gripped_above * settled_normal_) settled_normal_ = 0;  // gripped anew
     armed_ = false;
     return Sliding::disturbed;
   }
@@ -329,7 +331,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     shear_noise_ += (last.shear - shear_noise_) / options_.follow_blocks;
     held_normal_ += (normal - held_normal_) / options_.follow_blocks;
   }
-  const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > options_.load_change ||
+  const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > relaxed_ ||
                          change.shear > std::max(options_.load_change, noise_factor_ * shear_noise_);
   return disturbed ? Sliding::disturbed : Sliding::none;
 }

@@ -95,17 +95,18 @@ struct SlidingOptions {
   // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide, and
   // shaking contacts never settle. Too large: slides are seen late.
   double sticking_pattern = 0.045;
-  // The load changed: sum |d(q/P)|, or |d ln P|; 0.01 … 0.2. Too small: noise and relaxation are a change,
-  // and shaking contacts never settle. Too large: closing counts as a hold, and shear of pressing hides a
-  // slide at a low friction.
+  // The load changed: sum |d(q/P)|, or a rise of ln P before the contact has settled; 0.01 … 0.2. Too small:
+  // noise and relaxation are a change, and shaking contacts never settle. Too large: closing counts as a
+  // hold, and shear of pressing hides a slide at a low friction.
   double load_change = 0.05;
   // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
   // late.
   int confirming_blocks = 2;
-  // Below this share of the held P the gripper opens, and P of which the held one is less than that is a new
-  // grip; 0.5 … 0.9. Sliding that was seen before ends below the second; 0.1 … 0.5. Too near 1: a slide that
-  // frees the grip goes unseen. Too far: opening counts as sliding.
+  // Below this share of the held P the gripper opens, above that it grips anew; 0.5 … 0.9, 1.1 … 3. Sliding
+  // that was seen before ends below the third. Too near 1: a slide that frees the grip goes unseen. Too far:
+  // opening counts as sliding.
   double opened_below = 0.75;
+  double gripped_above = 1.5;
   double let_go_below = 0.3;
   // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
   // Too large: shaking that begins counts as sliding.
@@ -162,6 +163,9 @@ class SlidingDetector {
 
   SlidingOptions options_;
   TaxelBlocks blocks_;
+  // Change of ln P, as of a grip that overshot, with which the pattern of a contact that grows as Hertz's
+  // does moves by sticking_pattern.
+  const double relaxed_;
   double noise_factor_;  // of the mean noise of TV, that noise does not pass
   double trend_limit_;   // of a trend over its scatter
   bool has_pattern_;

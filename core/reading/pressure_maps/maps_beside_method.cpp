@@ -8,10 +8,9 @@
 namespace slipd {
 namespace {
 
-// Sigma by the method's contact model from which on maps may give a better margin; Gamma, at the surface
-// 0.02 … 0.1, under a skin 0.005 … 0.02. Too small: two methods run for one margin. Too large: ellipses get
-// an imprecise margin.
-constexpr double kUnlikeSigma = 0.03, kUnlikeUnderSkin = 0.01;
+// Sigma by the method's contact model from which on maps may give a better margin; Gamma, 0.005 … 0.1. Too
+// small: two methods run for one margin. Too large: ellipses get an imprecise margin.
+constexpr double kUnlikeSigma = 0.02;
 
 bool knows_moments(const Reading& reading) noexcept {
   return std::isfinite(reading.moments_sigma.slip_moment_n);
@@ -62,7 +61,7 @@ Reading MapsAtSurface::estimate(const Frame& frame, const ContactPatch& patch) n
 
 Reading MapsUnderSkin::estimate(const Frame& frame, const ContactPatch& patch) noexcept {
   const Reading by_method = read_by_method(frame, patch);
-  if (by_method.shape_sigma < kUnlikeUnderSkin) return by_method;
+  if (by_method.shape_sigma < kUnlikeSigma) return by_method;
   const Reading by_maps = read_by_maps(frame, patch);
   return by_maps.in_model ? take_maps(by_maps, by_method) : take_method(by_maps, by_method);
 }

@@ -7,16 +7,17 @@
 #include <span>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/reading/method/method.hpp"
 
 namespace slipd {
 namespace {
 
-// Taxels of the maps that are filtered in one frame, under a skin, while the gripper closes and for an
-// estimate; 1000 … 100000, at least one map. Too few: after a quick grip, margins come late. Too many: single
-// frames take long.
-constexpr std::size_t kFilteredInClosing = 4096, kFilteredAtOnce = 32768;
+// Taxels of the maps that are filtered in one frame, under a skin, while the gripper closes; for an estimate
+// least_maps times as many; 1000 … 100000, at least one map. Too few: after a quick grip, margins come late.
+// Too many: single frames take long.
+constexpr std::size_t kFilteredInClosing = 4096;
 
 }  // namespace
 
@@ -43,7 +44,7 @@ void PressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (skin_ && patch.shear_n > options_.most_shear * patch.normal_n &&
       patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n)
     pulled_n_ = std::max(pulled_n_, normal_n);
-  if (!(normal_n > 0) || normal_n < options_.outgrown * pulled_n_) return;
+  if (!(normal_n > 0) || normal_n < kGrown * pulled_n_) return;
   const bool pulled =
       patch.shear_n > (skin_ ? options_.most_shear_sensed : options_.most_shear) * patch.normal_n &&
       patch.shear_n > kClearSigmas * patch.shear_sigma_n;
@@ -317,7 +318,7 @@ double PressureMaps::sigma_by_depth(const ContactPatch& patch, std::size_t best,
 }
 
 bool PressureMaps::read_sensed(const ContactPatch& patch, double normal_n, SensedFrame& out) noexcept {
-  skin_->prepare(maps_, kFilteredAtOnce);
+  skin_->prepare(maps_, options_.least_maps * kFilteredInClosing);
   if (!skin_->ready(maps_)) return false;
   skin_->read(patch.taxels, maps_, normal_n);
   out.best = judge_sensed(patch);
@@ -356,7 +357,7 @@ Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {
   const Trial best = trials_[step];
   const SubsurfacePressureMaps::Pull pull = skin_->pull(step);
   const std::size_t closest = closest_trial();  // whatever the prior says
-  if (skin_->history_gain(closest, skin_->pull(closest)) > options_.most_history_gain) return out;
+  if (skin_->history_gain(closest, skin_->pull(closest)) > kClearSigmas * kClearSigmas) return out;
   const double residual_pa2 = trials_[closest].residual_pa2;
   conclude(patch, best,
            {.excess_pa2 = residual_pa2 - skin_->shear_pa2() * values,

@@ -27,17 +27,14 @@ struct PressureMapsOptions {
   FrictionPriorOptions prior;
 
   // The greatest share of its normal force that is shear in a frame that counts as closing, unless noise
-  // explains more; 0.005 … 0.1. Too small: a sensor that reads shear under a normal load records nothing. Too
-  // large: frames with a pull are recorded.
+  // explains more; 0.005 … 0.1. Under a skin more, if it stands out of its noise, is a pull, which leaves
+  // traction in the contact where its own force has gone: nothing is recorded then up to kGrown times its
+  // normal force. Too small: a sensor that reads shear under a normal load records nothing. Too large: frames
+  // with a pull are recorded.
   double most_shear = 0.03;
   // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
   // the beginning of a pull is taken for what pressing is sensed as.
   double most_shear_sensed = 0.005;
-  // Under a skin a shear above most_shear that stands out of its noise is a pull, which leaves traction in
-  // the contact where its own force has gone: nothing is recorded then up to this factor of its normal force;
-  // 1.2 … 4. Too small: what is left is taken for what pressing is sensed as. Too large: a touch
-  // that hooks ends the recording.
-  double outgrown = 2;
   // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many:
   // recording costs time in a held grasp.
   double enough_frames = 32;
@@ -67,9 +64,6 @@ struct PressureMapsOptions {
   // quite still. By `slipd-lab coverage --methods closing --of histories`. Too small: sigma is less than the
   // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
-  // Under a skin, twice the log likelihood that another history gains, from which on no margin is given; 9
-  // … 36. Too small: noise takes the margin away. Too large: a load that has turned back passes.
-  double most_history_gain = 16;
   // Under a skin, the change of Gamma from which on it is found anew how much the margin depends on the
   // depth; Gamma, 0.01 … 0.2. Too small: costs time. Too large: that part of sigma is of another margin.
   double depth_asked_again = 0.05;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/numeric/norm.hpp"
+#include "core/reading/method/method.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
@@ -18,9 +19,6 @@ constexpr double kLeastSensed = 0.1;
 // The share of a difference of maps that the one found must leave, for it to show another history; 0.001 …
 // 0.1. Too small: noise is taken for a history. Too large: none is seen.
 constexpr double kOwn = 0.01;
-// What a pull is sensed as is known up to this share, as it is found from maps on a grid; 0.005 … 0.05. Too
-// small: quiet sensors and few taxels are refused. Too large: another history passes.
-constexpr double kOfMaps = 0.02;
 
 }  // namespace
 
@@ -126,7 +124,7 @@ double SubsurfacePressureMaps::history_gain(std::size_t trial, const Pull& pull)
   const Weights with_found = along.lazyProduct(found.weights),
                 noise_with_found = per_frames_.cwiseProduct(found.weights);
   const double noise_pa2 = map_noise_pa2();
-  const double by_maps = kOfMaps * friction,
+  const double by_maps = kUnevenShare * friction,
                variance_pa2 = pull.noise_pa2 + by_maps * by_maps * pull.square_pa2;
   const double found_pa2 = square(found), left = read.dot(found.weights) / found_pa2;
   double gain = 0;

@@ -17,9 +17,6 @@ constexpr double kAlike = 0.3;
 // noise. Too large: margins of a quiet sensor are not as good as they could be.
 constexpr double kNoise = 0.01;
 
-// Change of the log of the depth from which on maps are filtered anew; 0.005 … 0.05. Too small: costs time.
-// Too large: margins are off by as much.
-constexpr double kSameDepth = 0.02;
 // Of the shear that pressing is sensed as, the share of its sum of squares that no depth explains and that
 // leaves the depth unknown; 0.05 … 0.5. Too small: real skins never show their depth. Too large: a skin of
 // another kind is taken for one of another depth.
@@ -121,7 +118,7 @@ void SubsurfacePressureMaps::find_depth(const RecordedMaps& maps) noexcept {
   depth_.take(depth_.with(shown));
   const double log =
       std::clamp(depth_.now().mean, -ShearFromPressureFilter::kReach, ShearFromPressureFilter::kReach);
-  if (std::fabs(log - filtered_log_) < kSameDepth) return;
+  if (std::fabs(log - filtered_log_) < SkinDepth::kLeastSigma) return;
   filtered_log_ = log;
   ratio_.set_depth(log);
   version_.fill(0);

@@ -102,7 +102,7 @@ FrictionPlateau::Plateau FrictionPlateau::find_plateau() const noexcept {
 
 void FrictionPlateau::follow_slope(double sigmas) noexcept {
   slope_.frames += 1;
-  slope_.mean += std::max(options_.slope_gain, 1 / slope_.frames) * (sigmas - slope_.mean);
+  slope_.mean += std::max(kSlowGain, 1 / slope_.frames) * (sigmas - slope_.mean);
 }
 
 Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {

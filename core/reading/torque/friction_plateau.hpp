@@ -10,6 +10,7 @@
 
 #include "core/frame/layout.hpp"
 #include "core/frame/significance.hpp"
+#include "core/numeric/running_mean.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/torque/torque_kernels.hpp"
@@ -41,12 +42,6 @@ struct FrictionPlateauOptions {
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;
-  // A plateau's ratios rise with pressure, and so fall towards the rim, if the mean over frames of that slope
-  // is clear. Gain of the mean, frame by frame; 0.02 … 0.5. Too small: friction that fell after a regrip is
-  // seen late. Too large: ratios that stick after a regrip or a reversal are read as friction.
-  double slope_gain = 0.1;
-  // Of the mean of slopes that chance makes, over that of one.
-  double slope_sigma() const noexcept { return std::sqrt(slope_gain / (2 - slope_gain)); }
   // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
@@ -79,7 +74,7 @@ class FrictionPlateau {
   // Whether all of the contact slipped in the last frame.
   bool all_slipped() const noexcept { return frame_.all_slipped; }
   // Whether ratios fell towards the rim in the last frames: they are of taxels that stick.
-  bool rising() const noexcept { return slope_.mean > kClearSigmas * options_.slope_sigma(); }
+  bool rising() const noexcept { return slope_.mean > kClearSigmas * sigma_of_mean(kSlowGain); }
   // A new grasp.
   void forget() noexcept { slope_ = {}; }
 

@@ -70,7 +70,7 @@ bool TorqueMomentRatio::half_space(const Ratio& ratio, double gamma, double coar
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
   return std::fabs(ratio.fourth - expected) <
-         options_.fourth_slack + options_.fourth_rim * coarse * coarse + kClearSigmas * ratio.noise;
+         options_.fourth_slack + options_.rim_error * coarse * coarse + kClearSigmas * ratio.noise;
 }
 
 Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
@@ -95,7 +95,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
     return out;
   out.gamma = gamma_of_moment_ratio(ratio.value);
   if (!half_space(ratio, out.gamma, coarse)) return out;
-  if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
+  if (coarse < options_.least_coarse && out.gamma < kRoundedGamma) return out;
   const double slope = gamma_per_moment_ratio(std::cbrt(out.gamma)),
                of_shape = deviation.sigma(options_.deviation);
   out.sigma = norm(slope * norm(ratio.noise, common), of_shape);
@@ -103,7 +103,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
-  if (!(out.sigma < std::max(options_.max_sigma * utilisation, options_.max_gamma_sigma))) return out;
+  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, options_.known_sigma))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / utilisation;
   if (relative < options_.known_sigma)
     out.friction_sigma = out.friction * norm(relative, loaded.shear_sigma_n / loaded.shear_n);

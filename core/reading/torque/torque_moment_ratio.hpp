@@ -11,37 +11,41 @@
 
 namespace slipd {
 
+// Margin under torque from which on taxels that nearly slip round off the plateau of those that slip; Gamma,
+// 0.3 … 0.7: there moments answer, where both agree. Too small: moments are computed for nothing, and skins
+// that are no half space get margins that are too low. Too large: margins are too low where a plateau is
+// rounded, and coarse arrays get no answer.
+inline constexpr double kRoundedGamma = 0.55;
+
+// Friction under torque whose relative standard deviation is below this gives a margin, also by memory; 0.02
+// … 0.4. Too small: only heavy loads get an answer. Too large: margins are imprecise, and friction that a
+// light pull has shown gives heavier loads margins that are too safe.
+inline constexpr double kMostTurningSigma = 0.18;
+
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with
 // `slipd-lab torque --sides 16,32`.
 struct TorqueMomentRatioOptions {
   HertzDeviationOptions deviation;
-  // Error of the ratio by square taxels, over (side/a)^2; 0 … 1. Too small: sigma is less than the error on
-  // coarse arrays. Too large: it is more, and they are refused.
+  // Error of the ratio by square taxels, and of that of fourth moments, over (side/a)^2; 0 … 1. Too small:
+  // sigma is less than the error on coarse arrays. Too large: it is more, and they are refused.
   double rim_error = 0.1;
   // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
-  // The ratio of fourth moments agrees with that of a half space within the sum of its noise, the first, and
-  // the second times (side/a)^2; 0.02 … 0.2, 0 … 1. Too small: half spaces are refused. Too large: Winkler
-  // foundations and other histories pass.
+  // The ratio of fourth moments agrees with that of a half space within the sum of its noise, rim_error, and
+  // this; 0.02 … 0.2. Too small: half spaces are refused. Too large: Winkler foundations and other histories
+  // pass.
   double fourth_slack = 0.05;
-  double fourth_rim = 0.1;
-  // Contacts with a smaller side/a are answered above this margin only; 0 … 0.4; Gamma, 0.5 … 0.8. There
-  // FrictionPlateau, which assumes no half space, finds what slips. A skin like a Winkler foundation has
-  // ratios as a half space near slip, so that a ratio of a large margin is none of it. Too small: such skins
-  // get margins that are too low. Too large: fine arrays, coarse ones, get no answer.
+  // Contacts with a smaller side/a are answered above kRoundedGamma only; 0 … 0.4. Below it FrictionPlateau,
+  // which assumes no half space, finds what slips. A skin like a Winkler foundation has ratios as a half space
+  // near slip, so that a ratio of a large margin is none of it. Too small: such skins get margins that are too
+  // low. Too large: fine arrays get no answer.
   double least_coarse = 0.15;
-  double resolved_gamma = 0.55;
   // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
   // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
   double max_noise = 0.035;
-  // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
-  // loads get an answer. Too large: margins are imprecise.
-  double max_sigma = 0.15;
-  // Or below this one of Gamma, far from slip; 0.02 … 0.1. Too small and too large: as above.
-  double max_gamma_sigma = 0.07;
-  // And friction below this one; 0.02 … 0.2. Too small: friction is learnt late. Too large: it is off by more
-  // than a tenth.
+  // Far from slip a margin is given below this standard deviation, and friction is where it is known to as
+  // much; 0.02 … 0.1. Too small: friction is learnt late. Too large: it is off by more than a tenth.
   double known_sigma = 0.08;
 };
 

@@ -9,11 +9,6 @@
 namespace slipd {
 namespace {
 
-// Margin under torque from which on taxels that nearly slip round off the plateau of those that slip, 0.3 …
-// 0.7: moments answer where both agree. Too small: moments are computed for nothing. Too large: margins are
-// too low.
-constexpr double kRoundedGamma = 0.45;
-
 // What a plateau's ratio holds, over the most of it while its taxels stuck, below which friction has fallen;
 // 0.8 … 0.98. Too small: friction that fell after a regrip is seen late. Too large: a load that turns is
 // taken for a fall, and margins are too low.
