@@ -57,11 +57,8 @@ class ArrayPipeline final : public ShapedPipeline {
 // Few taxels: read as a whole, and without a shape under torque.
 class FewTaxelsPipeline final : public ShapedPipeline {
  public:
-  // Floor of a margin's sigma; Gamma, 0.005 … 0.05.
-  static constexpr double kLeastSigma = 0.03;
-
   FewTaxelsPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method);
-  double least_sigma() const noexcept override { return kLeastSigma; }
+  double least_sigma() const noexcept override { return kModelSigma; }
 
  protected:
   std::optional<Reading> read(const Frame& frame, const ContactPatch& patch, const ContactPatch& pulled,

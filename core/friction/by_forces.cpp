@@ -21,7 +21,7 @@ FrictionFilterOptions with_rate(FrictionFilterOptions options) noexcept {
 }  // namespace
 
 FrictionByForces::FrictionByForces(const FrictionPrior& prior, const FrictionFilterOptions& options)
-    : FrictionFilter(prior, options.force_only_points, with_rate(options)) {}
+    : FrictionFilter(prior, options.force_only_points(), with_rate(options)) {}
 
 void FrictionByForces::reset() noexcept {
   reset_evidence();
@@ -75,7 +75,7 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
   if (!is_monotonic(history()) || !reading.in_model) return;
   if (reading.profile.known) {
     weigh_profile(reading.profile, load);
-    explain(0, reading.sigma < options_.confirming_sigma);
+    explain(0, reading.shows_friction());
     return;
   }
   PerFriction residuals;  // the first grid().count() of them
@@ -84,7 +84,7 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
     residuals[j] = reading.gamma - std::max(0.0, 1 - load / grid().friction(j));
     least = std::min(least, square(residuals[j] / reading.sigma));
   }
-  explain(least, reading.sigma < options_.confirming_sigma);
+  explain(least, reading.shows_friction());
   weigh_margin(residuals, reading, 0, std::min(1.0, load / likeliest()));
 }
 

@@ -26,14 +26,8 @@ struct FrictionFilterOptions {
   // As FrictionPosteriorOptions::falls_per_s and rises_per_s, of a force-only sensor, whose frames hardly
   // show a change: more often, and what a slide has shown is forgotten before the next; 1/s, 0.01 … 1.
   double force_only_changes_per_s = 0.2;
-  // Points of the grid of a force-only sensor, which has no foundations; 16 … FrictionGrid::kMost. Too few:
-  // friction known by a slide changes in steps.
-  std::size_t force_only_points = 112;
-
-  // Sigma of a frame's margin up to which it confirms that a load which was not seen was monotonic; Gamma,
-  // 0.05 … 0.5. Too small: such a grasp gets no margin while its load is light. Too large: frames whose noise
-  // some friction always explains confirm a history that is wrong.
-  double confirming_sigma = 0.2;
+  // Of a force-only sensor, which has none: friction known by a slide would change in steps.
+  std::size_t force_only_points() const noexcept { return 2 * foundations; }
 
   // How fast a load is let go, in friction limits a second, and in what share of all frames it is; 0.5 … 50
   // and 0.01 … 1. One that falls faster between two frames may be one that friction no longer holds. Too
@@ -79,7 +73,8 @@ struct FrictionFilterOptions {
   double max_lost_step = 0.45;
 
   // What is kept of the evidence of a lighter contact of a force-only sensor when P has grown by more than
-  // kGrown; share, 0 … 1. Too small: a regrip forgets friction. Too large: the first touch bounds it for long.
+  // kGrown; share, 0 … 1. Too small: a regrip forgets friction. Too large: the first touch bounds it for
+  // long.
   double kept_when_grown = 0.25;
   // Taxels that carry more than this of P against each other say nothing of friction
   // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -72,7 +73,7 @@ const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPat
     return profile_;
   }
   state_.highest = std::max(state_.highest, share);
-  if (pull.size_n < kStandsOutSigmas * sigma_n || share < options_.fallen * state_.highest) return profile_;
+  if (pull.size_n < kStandsOutSigmas * sigma_n || share < kFallen * state_.highest) return profile_;
   weigh({.load = std::max(share, patch.shear_n / patch.normal_n), .pull = share, .noise_n = noise_n}, pull);
   return profile_;
 }

@@ -34,12 +34,10 @@ struct PadLoadSharingOptions {
   // Pull over P from which on it is read; 0.05 … 0.3. Too small: uneven rubber passes for slip. Too large:
   // slips on slippery objects come unseen.
   double least_pull = 0.2;
-  // A pull below this share of the greatest one has fallen, and is not read; 0.7 … 1.
-  double fallen = 0.9;
   // Standard deviation over the pad of what a taxel that stands alone carries, of friction (one half is above
   // its mean, the other below), and of what a layer passes on along a pull and across it; 0.05 … 0.5. Too
-  // small: uneven rubber passes for slip, and a pad that is pressed evenly slips unseen. Too large: nothing is
-  // learnt, and pads seem to slip early.
+  // small: uneven rubber passes for slip, and a pad that is pressed evenly slips unseen. Too large: nothing
+  // is learnt, and pads seem to slip early.
   double uneven = 0.15;
   // The same of what a taxel carries, of the mean of all; 0.05 … 0.5. As above.
   double uneven_mean = 0.1;
@@ -58,8 +56,8 @@ struct PadLoadSharingOptions {
   // most is a false alert. Too large: no margin is clear.
   double way_sigma = 0.4;
   // Way that a pattern goes without slip: of the mean, 0.005 … 0.05; of the pressure's unevenness, 0.02 …
-  // 0.2, for shear of pressing; and `uneven` of the sine of the angle by which the pull has turned. Too small:
-  // false alerts. Too large: slip of evenly pressed pads is not seen.
+  // 0.2, for shear of pressing; and `uneven` of the sine of the angle by which the pull has turned. Too
+  // small: false alerts. Too large: slip of evenly pressed pads is not seen.
   double still_way = 0.01;
   double still_way_share = 0.05;
   // Standard deviation, over taxels, of what they carry of a pull that begins; of the mean; 0.1 … 0.5. Too

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/numeric/running_mean.hpp"
 
@@ -64,12 +65,12 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
 }
 
 MeanSigma TractionRatioFilter::held() const noexcept {
-  return {state_.mean, std::max(sigma_of_mean(kSlowGain) * frame_.sigma,
-                                options_.held_floor_mean * frame_.now.mean)};
+  return {state_.mean,
+          std::max(sigma_of_mean(kSlowGain) * frame_.sigma, options_.held_floor_mean * frame_.now.mean)};
 }
 
 bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
-  return load > state_.highest - options_.alike_sigmas * sigma;
+  return load > state_.highest - kAlikeSigmas * sigma;
 }
 
 // Whether the resultant points as it did then.
@@ -78,8 +79,8 @@ bool TractionRatioFilter::is_steady(const Shear& since) const noexcept {
   const double along = since.x_n * now.x_n + since.y_n * now.y_n;
   const double across = since.x_n * now.y_n - since.y_n * now.x_n;
   if (along == 0 && across == 0) return true;  // no direction
-  const double noise_rad = options_.alike_sigmas * frame_.sigma / std::max(state_.mean, kLeastLoad);
-  return std::fabs(std::atan2(across, along)) < options_.steady_rad + noise_rad;
+  const double noise_rad = kAlikeSigmas * frame_.sigma / std::max(state_.mean, kLeastLoad);
+  return std::fabs(std::atan2(across, along)) < std::asin(kTurned) + noise_rad;
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
@@ -112,8 +113,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
   const double ratio = frame_.now.mean, sigma = frame_.now.sigma;
   const auto even_since = [&](const Plateau& since) {
-    return std::fabs(ratio - since.load.ratio) <
-               options_.plateau * since.load.ratio + options_.alike_sigmas * sigma &&
+    return std::fabs(ratio - since.load.ratio) < options_.plateau * since.load.ratio + kAlikeSigmas * sigma &&
            state_.normal_n <= since.load.normal_n && is_steady(since.shear);
   };
   if (!state_.plateau || !even_since(*state_.plateau)) {
@@ -124,9 +124,9 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
   const double began_n = state_.plateau->load.normal_n,
                fallen_n = began_n - state_.normal_n - kClearSigmas * frame_.normal_sigma_n;
   if (fallen_n < options_.plateau_fall * began_n) return std::nullopt;
-  if (ratio < options_.min_of_highest * state_.highest) return std::nullopt;
-  if (options_.min_of_highest * ratio < state_.at_last_grip_rise.ratio + options_.alike_sigmas * sigma)
-    return std::nullopt;
+  if (ratio < kFallen * state_.highest) return std::nullopt;
+  // A grip that overshoots and relaxes keeps the load that it had at its greatest P.
+  if (kFallen * ratio < state_.at_last_grip_rise.ratio + kAlikeSigmas * sigma) return std::nullopt;
   return Slide{ratio, options_.slide_sigma};
 }
 

@@ -23,10 +23,6 @@ struct TractionRatioOptions {
   // Residual of one frame at which the line begins anew with it; sigmas, 3 … 10. Too small: noise cuts the
   // line. Too large: a jump is followed late.
   double jump_sigmas = 4;
-  // A load that misses the highest one by less counts as the highest, and a plateau is even within it;
-  // sigmas, 0 … 5. Too small: a load at its extreme passes for one that has fallen. Too large: unloading
-  // passes for a monotonic load, or for a slide.
-  double alike_sigmas = 2;
   // |Q|/P that stays this even while P falls is gross slip, and P that rises by more has risen; relative,
   // 0.002 … 0.1. Too small: a slide on a rough surface is missed, and noise restarts it. Too large: unloading
   // both forces passes for a slide, and the load of a grip that still closes counts as one before.
@@ -34,18 +30,10 @@ struct TractionRatioOptions {
   // P has to fall by this much for a plateau to be gross slip; relative, 0.01 … 0.5. Too small: a slow drift
   // passes for a slide. Too large: short slides are missed.
   double plateau_fall = 0.06;
-  // A plateau below this share of the highest load is no gross slip, nor is one of which the load when P last
-  // rose is more than this share; 0.5 … 1: a grip that overshoots and relaxes keeps the load that it had at
-  // its greatest P. Too small: a hold at a part of the load passes for a slide. Too large: friction that fell
-  // a little is not learnt from its slide.
-  double min_of_highest = 0.9;
   // An object slides as a whole if its field is more coherent than this (FieldCourse::coherence); 0.7 … 0.95.
   // Slides of real pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: they pass
   // for slides. Too large: slides under skin are missed.
   double min_coherence = 0.85;
-  // The resultant keeps its direction during a slide up to this; rad, 0.05 … 0.5. Too small: a slide along a
-  // curve is missed. Too large: a load that turns is a slide.
-  double steady_rad = 0.26;
   // Standard deviation of the friction that a slide shows; of log mu, 0.01 … 0.2. |Q|/P of real slides
   // scatters by 0.04 to 0.07. Too small: the slide's noise is taken for friction. Too large: a slide says
   // little.

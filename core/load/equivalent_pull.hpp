@@ -68,7 +68,7 @@ class EquivalentPull {
   EquivalentPull& operator=(const EquivalentPull&) = delete;
 
   // `patch` is in contact. previous: of the frame before in this grasp, `none` for the first one. A field
-  // that a torque has changed stays so down to a lower torque.
+  // that a torque has changed stays so whatever the noise of the torque.
   EquivalentPullResult of(const ContactPatch& patch, TorqueEffect previous) noexcept;
 
  protected:

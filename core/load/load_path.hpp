@@ -10,10 +10,20 @@
 
 namespace slipd {
 
-// A grip, or a load, that has grown by this factor is another one: what a lighter touch showed, as the gripper
-// closed, says nothing of it; 1.2 … 5: a touch may hook, and its zero is a larger part of it. Too small: a
-// regrip forgets friction and its history. Too large: the first touch counts for long.
+// A grip, or a load, that has grown by this factor is another one: what a lighter touch showed, as the
+// gripper closed, says nothing of it; 1.2 … 5: a touch may hook, and its zero is a larger part of it. Too
+// small: a regrip forgets friction and its history. Too large: the first touch counts for long.
 inline constexpr double kGrown = 2;
+
+// A load below this share of its highest has fallen; 0.7 … 1. Too small: a hold at a part of the load passes
+// for a slide, and a fall is seen late. Too large: friction that fell a little is not learnt from its slide,
+// and a load that turns is taken for a fall.
+inline constexpr double kFallen = 0.9;
+
+// Shear across the direction that it had, as a share of it, at which it has turned; 0.1 … 0.9. Too small:
+// noise of a small shear ends a history that is known, and slides along a curve are missed. Too large: a
+// history along the old axis is believed in vain, and a load that turns is a slide.
+inline constexpr double kTurned = 0.3;
 
 // Of a frame, as its taxels measure them.
 struct ContactForces {

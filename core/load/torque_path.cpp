@@ -12,8 +12,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kSigmas = 2;  // what noise may be of the load
-constexpr double kClear = 5;   // times that: there is a load whose path can be followed
+constexpr double kClear = 5;  // times what noise may be of it: there is a load whose path can be followed
 // T_max of Hertz over mu P a.
 constexpr double kTurnLever = 3 * std::numbers::pi / 16;
 
@@ -43,10 +42,9 @@ void TorquePath::follow_load(const ContactPatch& patch, const EquivalentPullResu
   };
   const double load_n = over_lever(patch.shear_n, patch.torque_nm);
   const double noise_n =
-      kSigmas * norm(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), pull.pull_sigma_n);
+      kAlikeSigmas * norm(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), pull.pull_sigma_n);
   const double most_n = over_lever(path_.most.shear_n, path_.most.torque_nm);
-  if (load_n > kClear * noise_n && load_n >= most_n / 2)
-    follow_direction(patch, load_n, noise_n);
+  if (load_n > kClear * noise_n && load_n >= most_n / 2) follow_direction(patch, load_n, noise_n);
   const bool tightened = path_.grip_n > 0 && patch.normal_n > (1 + options_.steady_share) * path_.grip_n;
   out.straight = path_.straight && load_n + noise_n >= (1 - options_.steady_share) * most_n && !tightened;
   out.risen = load_n + noise_n >= options_.risen_share * most_n;

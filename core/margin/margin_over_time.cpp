@@ -114,7 +114,7 @@ void MarginOverTime::propose(const MeanSigma& margin, const MarginInput& frame, 
 
 // It has a better value of friction than the frames before under a lighter load, whose taxels nearly slipped.
 MeanSigma MarginOverTime::by_itself(const Reading& reading, Estimate& out) const noexcept {
-  if (reading.friction_sigma < options_.frame_known_sigma * reading.friction) {
+  if (reading.friction_sigma < kKnownTurningSigma * reading.friction) {
     out.friction = reading.friction;
     out.friction_sigma = reading.friction_sigma;
   }
@@ -161,7 +161,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
   }
   const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared));
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
-  const double known = has_torque(frame.reading) ? options_.frame_known_sigma : options_.known_sigma;
+  const double known = has_torque(frame.reading) ? kKnownTurningSigma : options_.known_sigma;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
   return now;
 }

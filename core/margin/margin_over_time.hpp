@@ -30,9 +30,6 @@ struct MarginOverTimeOptions {
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
   // comes late. Too large: it is advice from a guess.
   double known_sigma = 0.3;
-  // The same for friction under torque; relative, 0.03 … 0.3. Too small: friction lags
-  // behind the frames. Too large: friction is given that is off by more than a tenth.
-  double frame_known_sigma = 0.1;
   // Friction is learnt when frames have left less than this of the prior's relative sigma; 0.1 … 0.95. Too
   // small: friction is given late. Too large: the prior is given for friction.
   double learnt_share = 0.6;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -82,7 +84,8 @@ void GelRelaxation::take(const Frame& frame) noexcept {
 // A camera that starts gives pictures from before, and then those of now.
 bool GelRelaxation::is_stale_jump(std::int64_t time_ns, double step_mm) const noexcept {
   const double since_s = static_cast<double>(time_ns - first_ns_) / kNsPerSecond;
-  return since_s <= options_.settling_s && step_mm > options_.jump_mm && last_step_mm_ < options_.still_mm;
+  return since_s <= options_.settling_s && step_mm > kClearSigmas * options_.moved_mm &&
+         last_step_mm_ < options_.moved_mm;
 }
 
 // Mean bends now and in the past, and the rest: where the gel was least bent for as long as now_ is.

@@ -19,11 +19,6 @@
 
 namespace slipd {
 
-// After a pause as long as this what came before is forgotten; s, 0.1 … 10. Too small: lost frames blind it.
-// Too large: a movement across the pause counts as one at once, and a turn by more than half the angle
-// between two arms wrongly.
-inline constexpr double kForgottenAfter_s = 0.5;
-
 enum class Sliding : std::uint8_t {
   none,         // nothing moves
   disturbed,    // the load changed: pulled, pushed, moved, gripped; nothing says that it slid

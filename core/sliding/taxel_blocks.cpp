@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/sliding/sliding.hpp"
+#include "core/frame/pause.hpp"
 
 namespace slipd {
 namespace {
@@ -75,7 +75,7 @@ double TaxelBlocks::noise() const noexcept {
 }
 
 bool TaxelBlocks::add(const Frame& frame) noexcept {
-  if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(kForgottenAfter_s)) forget();
+  if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(kPause_s)) forget();
   const bool alone = block_frames_ == 1 && size_ > 0 && spans_block(frame.time_ns - last_ns_);
   last_ns_ = frame.time_ns;
   bool completed = false;

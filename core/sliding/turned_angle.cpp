@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/pause.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/sliding/sliding.hpp"
@@ -16,6 +17,12 @@ constexpr std::int64_t kEarlyNs = 500'000;
 
 std::int64_t duration_ns(double seconds) noexcept {
   return static_cast<std::int64_t>(seconds * 1e9);
+}
+
+// A pattern that has not turned after the contact slid under its torque for as long as a contact takes to
+// settle belongs to the sensor.
+double pinned_s() noexcept {
+  return static_cast<double>(SlidingOptions().settled_blocks) * TaxelBlockOptions().block_s;
 }
 
 }  // namespace
@@ -125,7 +132,7 @@ bool TurnFollower::pinned(std::int64_t time_ns, const TurnedAngle& now, bool sli
     slides_since_ns_ = time_ns;
     if (!pinned_) pinned_angle_rad_ = now.angle_rad;
   }
-  if (time_ns - *slides_since_ns_ > duration_ns(options_.pinned_s) &&
+  if (time_ns - *slides_since_ns_ > duration_ns(pinned_s()) &&
       std::fabs(now.angle_rad - pinned_angle_rad_) < kClearSigmas * now.sigma_rad)
     pinned_ = true;
   return pinned_;
@@ -138,7 +145,7 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   looked_ns_ = time_ns;
   answer_.reset();
   const bool counting = frames_ == options_.mean_frames;
-  if (counting && time_ns - known_ns_ > duration_ns(kForgottenAfter_s)) ended_ = true;
+  if (counting && time_ns - known_ns_ > duration_ns(kPause_s)) ended_ = true;
   // What lies beyond the sensor's edge turns as well.
   if (ended_ || patch.cut) return std::nullopt;
   take(patch, settled);

@@ -33,10 +33,6 @@ struct TurnedAngleOptions {
   // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
   // none. Too large: angles are imprecise.
   double max_sigma_rad = 0.1;
-  // A pattern that has not turned after the contact slid under its torque for this time belongs to the
-  // sensor; s, 0.05 … 1. Too small: slow turns are not given at first. Too large: 0 is given for an object
-  // that turns.
-  double pinned_s = 0.15;
 };
 
 struct TurnedAngle {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/frame/pause.hpp"
 #include "core/frame/significance.hpp"
 
 namespace slipd {
@@ -99,7 +100,7 @@ void BiasEstimator::ask(std::uint32_t request, bool force) noexcept {
 }
 
 void BiasEstimator::apply(FrameSlot& frame) noexcept {
-  const auto absent_ns = static_cast<std::int64_t>(options_.absent_s * 1e9);
+  const auto absent_ns = static_cast<std::int64_t>(kPause_s * 1e9);
   if (exchangeable_ && seen_frame_ && frame.time_ns - last_frame_ns_ > absent_ns) note_absence();
   last_frame_ns_ = frame.time_ns;
   seen_frame_ = true;
@@ -339,8 +340,7 @@ void BiasEstimator::take(BiasOrigin origin) noexcept {
 void BiasEstimator::follow() noexcept {
   const auto now = block_.mean_pa();
   const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
-  const auto share =
-      static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, options_.absent_s) / kDrift_s));
+  const auto share = static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, kPause_s) / kDrift_s));
   float way = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);

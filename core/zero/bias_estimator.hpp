@@ -32,10 +32,6 @@ struct BiasEstimatorOptions {
   // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
   // large: the answer comes late.
   int max_tries = 8;
-  // A sensor without a serial number that sent no frame for so long may have been exchanged, and of a pause
-  // no more counts for following a drift; s, 0.3 … 2. Too small: lost frames make a check that a wide contact
-  // fails. Too large: a quick exchange goes unseen, and the first block after a pause moves the bias by much.
-  double absent_s = 1;
   // Blocks in a row that read far below the zero before it is doubted; 1 … 10. Too small: a sensor that is
   // pulled at for a moment is without a zero. Too large: the doubt comes late.
   int below_blocks = 2;

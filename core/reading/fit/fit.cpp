@@ -334,7 +334,7 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < kMaxRingMisfit;
   if (out.sigma > kOpenSigma) weigh_by_prior(at, minimum.hessian, out);
   // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
-  const double uneven = misfit.by_noise > kMaxRingMisfit ? options_.uneven_sigma : 0;
+  const double uneven = misfit.by_noise > kMaxRingMisfit ? kModelSigma : 0;
   const double unlike =
       std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
   const double model_sigma = norm(uneven, unlike);

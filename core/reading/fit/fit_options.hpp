@@ -51,9 +51,6 @@ struct FitOptions {
   // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
   double elliptic_from = 0.1;
 
-  // Sigma of Gamma of a frame that only an uneven skin explains (kUnevenShare); Gamma, 0 … 0.2. Too small:
-  // sigma is less than the error. Too large: such frames are wasted.
-  double uneven_sigma = 0.03;
   // Sigma of Gamma over a residual pressure that is clear, as a share of the peak; 0 … 5. Too small: sigma is
   // less than the error on contacts that are not Hertz's. Too large: it is more.
   double pressure_sigma = 0.9;

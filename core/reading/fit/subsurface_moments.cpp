@@ -114,7 +114,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   slip[by_size] = 2 * (5.0 / 3 * shear_n - slip.dot(found));
   legendre[by_size] = legendre_by_size.dot(found);
   out.moments = {slip.dot(found), legendre.dot(found)};
-  const double common_n = kFewTermsFloor * std::fabs(shear_n);
+  const double common_n = kUnevenShare * std::fabs(shear_n);
   const auto sigma_of = [&](const ColumnVector& of) { return std::sqrt(of.dot(solved.solve(of))); };
   out.moments_sigma = {norm(sigma_of(slip), common_n), norm(sigma_of(legendre), 2 * common_n)};
   out.moments_common_sigma = {common_n, 2 * common_n};

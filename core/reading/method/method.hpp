@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -14,10 +15,6 @@
 
 namespace slipd {
 
-// Floor of the shear moments' sigmas where few domes or maps stand for any history, of the shear; 0.002 …
-// 0.1. Too small: the friction filter believes one frame. Too large: it learns slowly.
-inline constexpr double kFewTermsFloor = 0.01;
-
 // Sigma of Gamma, of 1 - Gamma, below which a frame gives friction; 0.1 … 1. Near no load friction is a ratio
 // of two small numbers. Too small: friction is given late. Too large: its sigma is not meant, because the
 // likelihood is no parabola.
@@ -27,10 +24,17 @@ inline constexpr double kKnownFrictionShare = 0.5;
 // whose error is common count too much. Too large: the likelihood is no parabola any more.
 inline constexpr double kOpenSigma = 0.04;
 
-// What the shear of a real skin deviates from the model, ring by ring and in its moments: of the shear,
-// standard deviation; 0.005 … 0.1. Too small: real skins are refused, and the model's error refutes the right
-// friction. Too large: other histories pass, and frictions are not distinguished.
+// What the shear of a real skin deviates from the model, ring by ring and in its moments, and what few domes
+// or maps miss of it: of the shear, standard deviation; 0.005 … 0.1. Too small: real skins are refused, and
+// the model's error refutes the right friction. Too large: other histories pass, and frictions are not
+// distinguished.
 inline constexpr double kUnevenShare = 0.02;
+
+// Standard deviation of Gamma of a contact that is not quite as its model: on few taxels, on a skin that is
+// uneven by kUnevenShare, or of another shape, which maps may know better; 0.005 … 0.1. Too small: sigma is
+// less than the error, and two methods run for one margin. Too large: such frames are wasted, and ellipses
+// get an imprecise margin.
+inline constexpr double kModelSigma = 0.03;
 
 // How little each margin fits a frame: half the squared misfit in units of noise, Gamma = (j + 1/2)/kSteps,
 // the least is 0. The scene's expectations are not in it.
@@ -77,6 +81,8 @@ struct Reading {
   // `common_sigma` of `moments_sigma`, N.
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
+  // Whether the frame by itself tells friction from another one.
+  bool shows_friction() const noexcept { return sigma < kKnownFrictionShare * (1 - gamma); }
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
   // Forces of the contact by the model, N, where the disc reads only a part of them: under a skin. 0: those
   // of the patch.

@@ -38,7 +38,7 @@ bool JaegerDecomposition::solve(const Read& read) noexcept {
                 friction_.dot(read.products.lazyProduct(friction_)) -
                 read.values * read.noise_pa2 * (1 + maps);
   moments_ = {friction_.dot(slip_n_), friction_.dot(legendre_n_)};
-  const double floor_n = kFewTermsFloor * std::fabs(shear_n_);
+  const double floor_n = kUnevenShare * std::fabs(shear_n_);
   const auto sigma_of = [&](const Terms& of, double at_least_n, double& common_n) {
     const Terms by = solved.solve(of);
     const double own_n2 = std::max(0.0, by.dot(products.lazyProduct(by)));

@@ -8,10 +8,6 @@
 namespace slipd {
 namespace {
 
-// Sigma by the method's contact model from which on maps may give a better margin; Gamma, 0.005 … 0.1. Too
-// small: two methods run for one margin. Too large: ellipses get an imprecise margin.
-constexpr double kUnlikeSigma = 0.02;
-
 bool knows_moments(const Reading& reading) noexcept {
   return std::isfinite(reading.moments_sigma.slip_moment_n);
 }
@@ -52,8 +48,8 @@ Reading MapsBesideMethod::take_method(const Reading& by_maps, Reading by_method)
 
 Reading MapsAtSurface::estimate(const Frame& frame, const ContactPatch& patch) noexcept {
   const Reading by_method = read_by_method(frame, patch);
-  if (by_method.in_model && by_method.common_sigma < kUnlikeSigma) return by_method;
-  if (moment_ratio(patch, layout_).deviation.sigma() < kUnlikeSigma) return by_method;
+  if (by_method.in_model && by_method.common_sigma < kModelSigma) return by_method;
+  if (moment_ratio(patch, layout_).deviation.sigma() < kModelSigma) return by_method;
   const Reading by_maps = read_by_maps(frame, patch);
   const bool better = by_maps.in_model && !(by_method.in_model && by_method.sigma < by_maps.sigma);
   return better ? take_maps(by_maps, by_method) : take_method(by_maps, by_method);
@@ -61,7 +57,7 @@ Reading MapsAtSurface::estimate(const Frame& frame, const ContactPatch& patch) n
 
 Reading MapsUnderSkin::estimate(const Frame& frame, const ContactPatch& patch) noexcept {
   const Reading by_method = read_by_method(frame, patch);
-  if (by_method.shape_sigma < kUnlikeSigma) return by_method;
+  if (by_method.shape_sigma < kModelSigma) return by_method;
   const Reading by_maps = read_by_maps(frame, patch);
   return by_maps.in_model ? take_maps(by_maps, by_method) : take_method(by_maps, by_method);
 }

@@ -103,9 +103,9 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
-  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, options_.known_sigma))) return out;
+  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, kKnownTurningSigma))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / utilisation;
-  if (relative < options_.known_sigma)
+  if (relative < kKnownTurningSigma)
     out.friction_sigma = out.friction * norm(relative, loaded.shear_sigma_n / loaded.shear_n);
   out.in_model = true;
   return out;

@@ -22,6 +22,11 @@ inline constexpr double kRoundedGamma = 0.55;
 // light pull has shown gives heavier loads margins that are too safe.
 inline constexpr double kMostTurningSigma = 0.18;
 
+// And friction is given that is known to this; relative, 0.02 … 0.2; far from slip also a margin with this
+// standard deviation. Too small: only heavy loads are answered. Too large: light ones are, by a peak below
+// the plateau, and friction is off by more than a tenth.
+inline constexpr double kKnownTurningSigma = 0.08;
+
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with
 // `slipd-lab torque --sides 16,32`.
 struct TorqueMomentRatioOptions {
@@ -37,16 +42,13 @@ struct TorqueMomentRatioOptions {
   // pass.
   double fourth_slack = 0.05;
   // Contacts with a smaller side/a are answered above kRoundedGamma only; 0 … 0.4. Below it FrictionPlateau,
-  // which assumes no half space, finds what slips. A skin like a Winkler foundation has ratios as a half space
-  // near slip, so that a ratio of a large margin is none of it. Too small: such skins get margins that are too
-  // low. Too large: fine arrays get no answer.
+  // which assumes no half space, finds what slips. A skin like a Winkler foundation has ratios as a half
+  // space near slip, so that a ratio of a large margin is none of it. Too small: such skins get margins that
+  // are too low. Too large: fine arrays get no answer.
   double least_coarse = 0.15;
   // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
   // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
   double max_noise = 0.035;
-  // Far from slip a margin is given below this standard deviation, and friction is where it is known to as
-  // much; 0.02 … 0.1. Too small: friction is learnt late. Too large: it is off by more than a tenth.
-  double known_sigma = 0.08;
 };
 
 class TorqueMomentRatio {
