@@ -43,13 +43,6 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   posterior_.conclude();
 }
 
-void FrictionByForces::weigh_drop(const MeanSigma& /*load*/, const MeanSigma& drop,
-                                  double /*seconds*/) noexcept {
-  constexpr double kNoise = 4;  // deviations that noise alone hardly makes
-  const double unseen = drop.mean - kNoise * drop.sigma - options_.seen_drop;
-  if (unseen > 0) posterior_.may_have_changed(-std::expm1(-unseen / options_.unseen_drop), 0);
-}
-
 void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
   if (patch.normal_n <= kGrown * grasp_.lighter_n) return;
   if (grasp_.lighter_n > 0) posterior_.may_have_changed(1 - options_.kept_when_grown);

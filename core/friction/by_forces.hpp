@@ -16,7 +16,6 @@ class FrictionByForces final : public FrictionFilter {
  private:
   // Such a sensor mostly tells less noise than it has, and shows little of friction otherwise: it may have
   // fallen to any that holds.
-  void weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept override;
   void forget_lighter(const ContactPatch& patch) noexcept;
   void watch_hook() noexcept;
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;

@@ -73,18 +73,21 @@ void FrictionFilter::bound_by_held() noexcept {
   posterior_.bound_below(held);
 }
 
-// Loads are let go at speeds of an exponential distribution, which noise adds to: what is likeliest of both
-// together is Huber's function of the fall (1964). A fall of friction may be of any size.
+// Most loads are held, and noise is all that falls. Others are let go at speeds of an exponential
+// distribution, which noise adds to: what is likeliest of both together is Huber's function of the fall
+// (1964). A fall of friction may be of any size.
 void FrictionFilter::weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept {
-  if (!(seconds > 0)) return;
+  if (!(seconds > 0 && drop.sigma > 0)) return;
   const double fallen = drop.mean, noise = drop.sigma;
   const double usual = options_.unload_per_s * seconds, steep = noise / usual;
   const double nats =
       fallen < noise * steep ? 0.5 * square(fallen / noise) : fallen / usual - 0.5 * square(steep);
   const double let_go =
       options_.unload_share * std::exp(-nats) / (usual + std::sqrt(std::numbers::pi / 2) * noise);
+  const double held = (1 - options_.unload_share) * std::exp(-0.5 * square(fallen / noise)) /
+                      (std::sqrt(2 * std::numbers::pi) * noise);
   const double fell = -std::expm1(-options_.posterior.falls_per_s * seconds);
-  posterior_.may_have_fallen_to(load, fell / (fell + let_go));
+  posterior_.may_have_fallen_to(load, fell / (fell + let_go + held));
 }
 
 // A margin between two points of the grid is off by up to half a step, in each frame alike.
@@ -111,8 +114,7 @@ void FrictionFilter::weigh_profile(const MarginProfile& profile, double load) no
 // One wild frame counts as one that is off by twice what is clear.
 bool FrictionFilter::explain(double least_squared, bool confirms_monotonic) noexcept {
   const bool outlier = least_squared > square(kClearSigmas);
-  mean_residual_ +=
-      kSlowGain * (std::min(least_squared, square(2 * kClearSigmas)) - mean_residual_);
+  mean_residual_ += kSlowGain * (std::min(least_squared, square(2 * kClearSigmas)) - mean_residual_);
   if (!outlier) {
     history_.explained(confirms_monotonic);
   } else if (history_.outlier()) {

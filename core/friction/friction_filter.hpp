@@ -84,7 +84,7 @@ class FrictionFilter {
   // The load is less than it was a frame ago, > 0 s: it was let go, or friction has fallen to it. Forces
   // alone do not tell, and their densities weigh one against the other. load: now; drop: in friction limits,
   // > 0.
-  virtual void weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept;
+  void weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept;
   // Of a frame that friction is read from. residuals: see FrictionPosterior::weigh.
   void weigh_margin(std::span<const double> residuals, const Reading& reading, double offset_sigma,
                     double utilisation) noexcept;

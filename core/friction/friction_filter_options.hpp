@@ -35,12 +35,6 @@ struct FrictionFilterOptions {
   // frames leaves margins that are too safe.
   double unload_per_s = 3;
   double unload_share = 0.1;
-  // The same where there are forces alone, by shares of the friction limit from frame to frame: a load that
-  // falls by more than the first of these may be one that friction no longer holds; by the second beyond it,
-  // it is so with 1 - 1/e; 0.02 … 0.3, 0.005 … 0.3. Too small: an object that is set down fast leaves
-  // friction open. Too large: friction that fell between two frames leaves margins that are too safe.
-  double seen_drop = 0.05;
-  double unseen_drop = 0.03;
 
   // What frames have in common of the error of a margin profile, of its noise; standard deviations, 0.01 … 1.
   // Too small: sigma is less than the error. Too large: learns slowly.
