@@ -14,8 +14,7 @@ bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJum
   for (std::size_t c = 0; c < kChannels; ++c) {
     const GroupChange& change = channels[c].change;
     const double step_pa2 = channels[c].step_square_pa2;
-    const bool turns =
-        static_cast<double>(change.turned) > kNoiseTurns * static_cast<double>(change.changed);
+    const bool turns = static_cast<double>(change.turned) > kNoiseTurns * static_cast<double>(change.changed);
     if (step_pa2 <= kBeyondUsual * usual_pa2_[c]) {
       ++quiet;
     } else if (turns && usual_pa2_[c] > 0 && step_pa2 > options.jumped * usual_pa2_[c]) {

@@ -268,8 +268,9 @@ void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
   } else {
     const std::size_t at_rail = count_at(channel, extreme_pa, frame, patch);
     const bool many =
-        at_rail >= std::max<std::size_t>(
-                       kFewInside, static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
+        at_rail >=
+        std::max<std::size_t>(
+            kFewInside, static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
     const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0}, options_.stillness);
     if (is.extreme.run() >= kSureFrames && (still || many)) is.rail_pa = extreme_pa;
   }

@@ -72,8 +72,8 @@ struct PlausibilityOptions {
   // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
   double least_rise_share = 0.5;
   // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
-  // alike, to this share, by more than kBeyondUsual times the greatest one; 0.02 … 0.3. Too small: an offset is believed. Too large: quick grips have no
-  // margin.
+  // alike, to this share, by more than kBeyondUsual times the greatest one; 0.02 … 0.3. Too small: an offset
+  // is believed. Too large: quick grips have no margin.
   double flat_rise_even = 0.1;
   // In a hold whose normal force changed by less than this share a frame; 0.01 … 0.2. Too small: an offset
   // is believed. Too large: quick grips have no margin.

@@ -49,8 +49,7 @@ SpikeFinder::Look SpikeFinder::needed(const ContactPatch& patch) noexcept {
   if (++frames_ % (learning_frames() * learning_frames()) == 0 || found_ || !patch.finite || beyond ||
       noisier)
     return Look::at_all;
-  const bool grown = peak > options_.grown_factor * last_peak_pa_ ||
-                     shear > kBeyondUsual * last_shear_pa_ ||
+  const bool grown = peak > options_.grown_factor * last_peak_pa_ || shear > kBeyondUsual * last_shear_pa_ ||
                      (shear > options_.grown_factor * last_shear_pa_ && shear > peak);
   return frames_ % learning_frames() == 0 || grown ? Look::at_peak : Look::none;
 }
@@ -153,7 +152,8 @@ bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noe
 
 bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
   const bool jumped = touched_ && last_shear_pa_ > 0 && shear_pa > kBeyondUsual * last_shear_pa_;
-  return shear_pa > options_.shear_factor * normal_pa && around.greatest_shear_pa < options_.support_share * shear_pa &&
+  return shear_pa > options_.shear_factor * normal_pa &&
+         around.greatest_shear_pa < options_.support_share * shear_pa &&
          spreads(shear_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 

@@ -27,8 +27,8 @@ inline constexpr double kBeyondUsual = 3;
 inline constexpr double kNoiseTurns = 1.0 / 3;
 
 // Frames in a row that show a fault which one frame does not show, or its end; frames, 2 … 20. Too small: a
-// frame that a driver has twice takes the margin away, and a loose contact makes the state flicker. Too large:
-// a margin is given from the past.
+// frame that a driver has twice takes the margin away, and a loose contact makes the state flicker. Too
+// large: a margin is given from the past.
 inline constexpr std::uint32_t kSureFrames = 3;
 
 // Mean of a quantity that is small while a contact goes on, and the largest of late.

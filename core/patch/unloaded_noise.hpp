@@ -23,12 +23,12 @@ struct SensorNoise {
 };
 
 // Time in which a sensor's noise and zero change, as it warms up: what is older is forgotten to 1/e; s, 1 …
-// 1000. Too small: chance is noise, and a slow touch moves the zero. Too large: a sensor that warms up is left
-// behind.
+// 1000. Too small: chance is noise, and a slow touch moves the zero. Too large: a sensor that warms up is
+// left behind.
 inline constexpr double kDrift_s = 10;
 
-// Zeros of shear wander by more than those of pressure: |Q| that may be nothing, over P that may be nothing; 1
-// … 10. Too small: drift and jitter of the zero are a pull. Too large: a contact that is pulled at without
+// Zeros of shear wander by more than those of pressure: |Q| that may be nothing, over P that may be nothing;
+// 1 … 10. Too small: drift and jitter of the zero are a pull. Too large: a contact that is pulled at without
 // pressure is none.
 inline constexpr double kShearOverNormal = 3;
 

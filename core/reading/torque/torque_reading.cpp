@@ -4,17 +4,10 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
-namespace {
-
-// What a plateau's ratio holds, over the most of it while its taxels stuck, below which friction has fallen;
-// 0.8 … 0.98. Too small: friction that fell after a regrip is seen late. Too large: a load that turns is
-// taken for a fall, and margins are too low.
-constexpr double kFallenShare = 0.93;
-
-}  // namespace
 
 void TorqueReading::forget() noexcept {
   slipping_.forget();
@@ -68,7 +61,7 @@ bool TorqueReadingOverTime::slips_anew(const Reading& plateau, double normal_n) 
   if (!plateau.in_model) return false;
   const double carried_n = plateau.friction * normal_n;
   most_stuck_n_ = std::max(most_stuck_n_, carried_n);
-  return carried_n < kFallenShare * most_stuck_n_;
+  return carried_n < kFallen * most_stuck_n_;
 }
 
 }  // namespace slipd
