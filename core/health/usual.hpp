@@ -24,7 +24,7 @@ inline constexpr double kBeyondUsual = 3;
 // Share of changes that turn, from which they are noise and no load; 0.1 … 0.6. Independent noise turns in 2
 // of 3 frames, a load without noise hardly ever. Too small: a trembling load passes for noise. Too large:
 // noise under a fast load is not seen, and a frozen sensor is believed.
-inline constexpr double kNoiseTurns = 1.0 / 3;
+inline constexpr double kNoiseTurns = 0.25;
 
 // Frames in a row that show a fault which one frame does not show, or its end; frames, 2 … 20. Too small: a
 // frame that a driver has twice takes the margin away, and a loose contact makes the state flicker. Too

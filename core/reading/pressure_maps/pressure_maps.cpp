@@ -357,7 +357,7 @@ Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {
   const Trial best = trials_[step];
   const SubsurfacePressureMaps::Pull pull = skin_->pull(step);
   const std::size_t closest = closest_trial();  // whatever the prior says
-  if (skin_->history_gain(closest, skin_->pull(closest)) > kClearSigmas * kClearSigmas) return out;
+  if (skin_->history_gain(closest, skin_->pull(closest)) > kStandsOutSigmas * kStandsOutSigmas) return out;
   const double residual_pa2 = trials_[closest].residual_pa2;
   conclude(patch, best,
            {.excess_pa2 = residual_pa2 - skin_->shear_pa2() * values,
