@@ -33,7 +33,7 @@ bool HertzDeviation::hertzian(const HertzDeviationOptions& options) const noexce
 }
 
 double HertzDeviation::sigma(const HertzDeviationOptions& options) const noexcept {
-  constexpr double kHalfTilt = 0.5;  // half of what a large tilt costs
+  constexpr double kHalfTilt = 0.5;  // costs half of what a large tilt does
   return options.most_sigma * std::hypot(tilt / (kHalfTilt + tilt),
                                          square(ellipticity / options.max_ellipticity),
                                          excess_kurtosis / options.max_kurtosis);
