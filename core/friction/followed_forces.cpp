@@ -18,12 +18,12 @@ double drag(double from, double to, double band) noexcept {
 }  // namespace
 
 // The direction of shear is the surer the more of it there is: until it is clear the axis follows each frame,
-// later with each growth by kGrown.
-bool ShearAxis::aim(const ContactPatch& patch) noexcept {
+// later with each growth by reaim_ratio.
+bool ShearAxis::aim(const ContactPatch& patch, double reaim_ratio) noexcept {
   const double clear_n = kStrongSigmas * patch.shear_sigma_n;
   const double across_n = std::fabs(patch.shear_y_n * x_ - patch.shear_x_n * y_);
   const bool turned = across_n > clear_n && across_n > kTurned * patch.shear_n;
-  const double reaim_n = std::max(kGrown * aimed_n_, kClearSigmas * patch.shear_sigma_n);
+  const double reaim_n = std::max(reaim_ratio * aimed_n_, kClearSigmas * patch.shear_sigma_n);
   if (!(patch.shear_n > reaim_n || aimed_n_ < clear_n || turned)) return false;
   const bool reversed = cosine(patch) < 0 && !turned;
   x_ = reversed ? -patch.direction_x : patch.direction_x;
@@ -34,7 +34,7 @@ bool ShearAxis::aim(const ContactPatch& patch) noexcept {
 }
 
 bool FollowedForces::aim(const ContactPatch& patch) noexcept {
-  const bool turned = axis_.aim(patch);
+  const bool turned = axis_.aim(patch, options_.reaim_ratio);
   if (turned) shear_n_ = patch.shear_n;
   return turned;
 }

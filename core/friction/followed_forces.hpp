@@ -21,6 +21,9 @@ struct FollowedForcesOptions {
   // The same added to the band of shear, as a share of what is added for the normal force; 0 … 1. Shear is
   // smaller than the normal force: too large, and the band hides what slips.
   double shear_band_share = 0.1;
+  // The axis is taken anew from shear this much larger than the one it was taken from; ratio, 1 … 3. Too
+  // small: the axis turns with noise each frame. Too large: an early, noisy axis stays.
+  double reaim_ratio = 1.5;
   // Frames over which a grasp that begins has to grow; frames, 2 … 50. Too small: noise decides. Too large: a
   // slow grip is taken for one that was loaded before.
   int onset_frames = 5;
@@ -33,7 +36,7 @@ struct FollowedForcesOptions {
 class ShearAxis {
  public:
   // Takes the axis anew where this frame knows it better. True if shear has turned out of a sure axis.
-  bool aim(const ContactPatch& patch) noexcept;
+  bool aim(const ContactPatch& patch, double reaim_ratio) noexcept;
 
   // A frame's shear along it, N.
   double along_n(const ContactForces& forces) const noexcept {
