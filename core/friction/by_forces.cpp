@@ -68,7 +68,7 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
   if (!is_monotonic(history()) || !reading.in_model) return;
   if (reading.profile.known) {
     weigh_profile(reading.profile, load);
-    explain(0, reading.shows_friction());
+    explain(0, reading.sigma < options_.confirming_sigma);
     return;
   }
   PerFriction residuals;  // the first grid().count() of them
@@ -77,7 +77,7 @@ void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& rea
     residuals[j] = reading.gamma - std::max(0.0, 1 - load / grid().friction(j));
     least = std::min(least, square(residuals[j] / reading.sigma));
   }
-  explain(least, reading.shows_friction());
+  explain(least, reading.sigma < options_.confirming_sigma);
   weigh_margin(residuals, reading, 0, std::min(1.0, load / likeliest()));
 }
 

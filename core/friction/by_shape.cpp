@@ -140,7 +140,7 @@ bool FrictionByShape::compare_margin(const ContactPatch& patch, const Reading& r
   const double load = patch.shear_n / patch.normal_n;
   if (reading.profile.known) {
     weigh_profile(reading.profile, load);
-    return explain(0, reading.shows_friction());
+    return explain(0, reading.sigma < options_.confirming_sigma);
   }
   PerFriction residuals;  // the first grid().count() of them
   PosteriorSums offsets;
@@ -159,7 +159,7 @@ bool FrictionByShape::compare_margin(const ContactPatch& patch, const Reading& r
       square(reading.sigma) + square(offset_sigma) + variance_of_step(2 * grid().step() * utilisation);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < grid().count(); ++j) least = std::min(least, square(residuals[j]) / variance);
-  const bool explained = explain(least, reading.shows_friction());
+  const bool explained = explain(least, reading.sigma < options_.confirming_sigma);
   weigh_margin(residuals, reading, offset_sigma, utilisation);
   return explained;
 }

@@ -77,16 +77,15 @@ void FrictionFilter::bound_by_held() noexcept {
 // distribution, which noise adds to: what is likeliest of both together is Huber's function of the fall
 // (1964). A fall of friction may be of any size.
 void FrictionFilter::weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept {
-  if (!(seconds > 0)) return;
+  if (!(seconds > 0 && drop.sigma > 0)) return;  // of a sensor whose noise is not known a fall says nothing
   const double fallen = drop.mean, noise = drop.sigma;
   const double usual = options_.unload_per_s * seconds, steep = noise / usual;
   const double nats =
       fallen < noise * steep ? 0.5 * square(fallen / noise) : fallen / usual - 0.5 * square(steep);
   const double let_go =
       options_.unload_share * std::exp(-nats) / (usual + std::sqrt(std::numbers::pi / 2) * noise);
-  const double held = noise > 0 ? (1 - options_.unload_share) * std::exp(-0.5 * square(fallen / noise)) /
-                                      (std::sqrt(2 * std::numbers::pi) * noise)
-                                : 0;
+  const double held = (1 - options_.unload_share) * std::exp(-0.5 * square(fallen / noise)) /
+                      (std::sqrt(2 * std::numbers::pi) * noise);
   const double fell = -std::expm1(-options_.posterior.falls_per_s * seconds);
   posterior_.may_have_fallen_to(load, fell / (fell + let_go + held));
 }

@@ -29,6 +29,11 @@ struct FrictionFilterOptions {
   // Of a force-only sensor, which has none: friction known by a slide would change in steps.
   std::size_t force_only_points() const noexcept { return 2 * foundations; }
 
+  // Sigma of a frame's margin up to which it confirms that a load which was not seen was monotonic; Gamma,
+  // 0.05 … 0.5. Too small: such a grasp gets no margin while its load is light. Too large: frames whose noise
+  // some friction always explains confirm a history that is wrong.
+  double confirming_sigma = 0.2;
+
   // How fast a load is let go, in friction limits a second, and in what share of all frames it is; 0.5 … 50
   // and 0.01 … 1. One that falls faster between two frames may be one that friction no longer holds. Too
   // small: an object that is set down fast leaves friction open. Too large: friction that fell between two

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -81,8 +80,6 @@ struct Reading {
   // `common_sigma` of `moments_sigma`, N.
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
-  // Whether the frame by itself tells friction from another one.
-  bool shows_friction() const noexcept { return sigma < kKnownFrictionShare * (1 - gamma); }
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
   // Forces of the contact by the model, N, where the disc reads only a part of them: under a skin. 0: those
   // of the patch.

@@ -196,7 +196,7 @@ TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
     estimate.sigma = sigma;
     for (int i = 0; i < 100; ++i) filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
   };
-  see(0.4);  // from its first frame on loaded, and so assumed monotonic
+  see(0.25);  // from its first frame on loaded, and so assumed monotonic
   EXPECT_EQ(filter->history(), HistoryState::assumed_monotonic);
   see(0.05);
   EXPECT_EQ(filter->history(), HistoryState::monotonic);
