@@ -14,8 +14,6 @@ class FrictionByForces final : public FrictionFilter {
   void reset() noexcept override;
 
  private:
-  // Such a sensor mostly tells less noise than it has, and shows little of friction otherwise: it may have
-  // fallen to any that holds.
   void forget_lighter(const ContactPatch& patch) noexcept;
   void watch_hook() noexcept;
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;

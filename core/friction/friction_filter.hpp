@@ -81,9 +81,9 @@ class FrictionFilter {
   double begin_frame(const FrictionFrame& frame) noexcept;
   // Coulomb: friction is at least the load that it holds.
   void bound_by_held() noexcept;
-  // The load is less than it was a frame ago, > 0 s: it was let go, or friction has fallen to it. Forces
-  // alone do not tell, and their densities weigh one against the other. load: now; drop: in friction limits,
-  // > 0.
+  // The load is less than it was a frame ago, > 0 s: it is held and noise is all of the fall, it was let go,
+  // or friction has fallen to it. Forces alone do not tell, and the densities of the three are weighed. load:
+  // now; drop: in friction limits, > 0.
   void weigh_drop(const MeanSigma& load, const MeanSigma& drop, double seconds) noexcept;
   // Of a frame that friction is read from. residuals: see FrictionPosterior::weigh.
   void weigh_margin(std::span<const double> residuals, const Reading& reading, double offset_sigma,

@@ -6,6 +6,7 @@
 
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
@@ -84,7 +85,7 @@ void PillarBeds::sense(const ContactPatch& patch) noexcept {
   const TaxelView& taxels = patch.taxels;
   const double gain = begun_ ? options_.gain : 1;
   begun_ = true;
-  const double of_mean = std::sqrt(options_.gain / (2 - options_.gain));
+  const double of_mean = sigma_of_mean(options_.gain);
   noise_n_ = of_mean * area_m2_ * patch.noise_shear_pa;
   const double least_n = kClearSigmas * of_mean * area_m2_ * patch.noise_normal_pa;
   touching_ = 0;

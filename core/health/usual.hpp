@@ -1,5 +1,5 @@
-// What a sensor usually does, which its faults are told from: numbers that all such checks share. Checked
-// with `slipd-lab faults` and on recordings of real sensors.
+// The usual behaviour of a sensor, as a baseline for finding its faults: numbers that all checks of that kind
+// share. Checked with `slipd-lab faults` and on recordings of real sensors.
 #pragma once
 
 #include <algorithm>

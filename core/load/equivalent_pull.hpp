@@ -29,9 +29,8 @@ struct EquivalentPullOptions {
   // taxels.
   double coarse_share = 0.1;
   // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it, once the
-  // torque has stood out of noise; 0.02 … 0.3.
-  // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
-  // friction of pulls are given for fields that torque has changed.
+  // torque has stood out of noise; 0.02 … 0.3. Too small: frames that still are as under a pull go to the
+  // method for torque. Too large: margins and friction of pulls are given for fields that torque has changed.
   double changing_share = 0.1;
   // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too

@@ -27,9 +27,9 @@ struct SensorNoise {
 // left behind.
 inline constexpr double kDrift_s = 10;
 
-// Zeros of shear wander by more than those of pressure: |Q| that may be nothing, over P that may be nothing;
-// 1 … 10. Too small: drift and jitter of the zero are a pull. Too large: a contact that is pulled at without
-// pressure is none.
+// The zero of shear drifts further than that of pressure: the largest |Q| that counts as no load, over the
+// largest such P; 1 … 10. Too small: drift and jitter of the zero are a pull. Too large: a contact that is
+// pulled at without pressure goes unnoticed.
 inline constexpr double kShearOverNormal = 3;
 
 // Checked with `slipd-bench`.

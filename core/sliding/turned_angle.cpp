@@ -7,6 +7,7 @@
 #include "core/frame/pause.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/numeric/running_mean.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {
@@ -72,7 +73,7 @@ void TurnFollower::take(const ContactPatch& patch, bool settled) noexcept {
   const Pattern pattern = pattern_of(patch);
   const double share = begun_ ? options_.newest_share() : 1;
   begun_ = true;
-  const double quieter = std::sqrt(options_.newest_share() / (2 - options_.newest_share()));
+  const double quieter = sigma_of_mean(options_.newest_share());
   for (std::size_t m = 0; m < kOrders; ++m) {
     newest_.moments[m] += share * (pattern.moments[m] - newest_.moments[m]);
     newest_.noise[m] = pattern.noise[m] * quieter;
