@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -30,13 +31,14 @@ double unlikeness_of_sizes(double ratio) noexcept {
 
 }  // namespace
 
-// Hertz: the radius goes with the cube root of the force.
-double Continuity::by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept {
+// A contact whose force changes in one frame changes its size by Hertz's theory: the radius goes with the
+// cube root of the force. The less of it, the less both overlap.
+double Continuity::by_growth(const ContactPatch& patch) const noexcept {
   const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
-  if (moved_m > options.growth_moved_share * std::min(patch.radius_m, last_radius_m_)) return 0;
+  const double overlap = std::max(0.0, 1 - moved_m / std::min(patch.radius_m, last_radius_m_));
   const double less_n = std::min(patch.normal_n, last_normal_n_);
   const double more_n = std::max(patch.normal_n, last_normal_n_);
-  return options.growth_factor * unlikeness_of_sizes(std::cbrt(less_n / more_n));
+  return overlap * unlikeness_of_sizes(std::cbrt(less_n / more_n));
 }
 
 bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes,
@@ -47,7 +49,7 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       std::max(patch.noise_normal_pa * patch.noise_normal_pa, last_noise_pa_ * last_noise_pa_) *
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
-  const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
+  const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch);
   const bool jumped = unlikeness_.known() && unlikeness > least &&
                       unlikeness > kBeyondUsual * std::max(unlikeness_.peak, by_noise);
   if (!jumped) unlikeness_.learn(unlikeness);
@@ -61,7 +63,7 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
   const double step_n = norm(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
   const double by_noise =
       patch.shear_sigma_n / patch.shear_n + last_shear_sigma_n_ / norm(last_shear_x_n_, last_shear_y_n_);
-  const bool jumped = turn_.known() && turn_rad > options.least_turn_rad &&
+  const bool jumped = turn_.known() && turn_rad > kTurned &&
                       step_n > options.least_turn_share * patch.normal_n &&
                       turn_rad > kBeyondUsual * std::max(turn_.peak, by_noise);
   if (!jumped) turn_.learn(turn_rad);
@@ -94,8 +96,8 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
   const bool clear = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
   const bool directed = clear && patch.shear_n > 0 && patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n;
   const double step_s = kSecondsPerNano * static_cast<double>(time_ns - last_ns_);
-  const bool regular =
-      last_ns_ != 0 && (usual_step_s_ <= 0 || step_s <= options.regular_steps * usual_step_s_);
+  // What a contact did while frames were lost is no jump.
+  const bool regular = last_ns_ != 0 && (usual_step_s_ <= 0 || step_s <= kBeyondUsual * usual_step_s_);
   if (last_ns_ != 0 && step_s > 0)
     usual_step_s_ += (usual_step_s_ > 0 ? 1.0 / kMemoryFrames : 1) * (step_s - usual_step_s_);
   last_ns_ = time_ns;

@@ -13,15 +13,8 @@
 
 namespace slipd {
 
-// What is wrong by this factor is no contact, but a wrong unit; 5 … 100. Too small: quick grips of flat
-// skins, or contacts unlike a sphere, are called faults. Too large: a wrong unit is believed.
-inline constexpr double kWrongScale = 30;
-
 // Checked with `slipd-lab faults` and on recordings of real sensors.
 struct ContinuityOptions {
-  // Frames are compared if the time between them is at most so many usual ones; 1 … 10. Too small: nothing is
-  // compared on a busy machine. Too large: what a contact did while frames were lost is called a jump.
-  double regular_steps = 2;
   // Unlikeness of two frames' pressures (PatternChange) that no contact makes, if it exceeds kBeyondUsual
   // times what late frames and noise make; 0.05 … 0.5. Too small: rolling contacts jump. Too large: another
   // contact's frames are believed.
@@ -29,16 +22,9 @@ struct ContinuityOptions {
   // The same of frames at most fast_step_s apart; 0.01 … 0.2: less happens in a shorter time. Frames that are
   // less unlike are of one contact: its pressures all changed by kWrongScale are of a wrong unit.
   double least_unlike_fast = 0.02;
-  // For frames further apart than fast_step_s. A contact whose force changes in one frame changes its size as
-  // Hertz's theory predicts. The first, 1 … 3, times that change is allowed if the centre moved by less than
-  // the second, 0.05 … 0.5, times the radius. Too small: a gripper that closes at once on an alert loses its
-  // margin. Too large: another contact of another force at the same place passes.
-  double growth_factor = 1.5;
-  double growth_moved_share = 0.25;
-  // Turn of the shear in one frame; rad, 0.2 … 1.5, by which it changes by at least this share of the normal
-  // force, 0.02 … 0.3, in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small:
-  // knocks are called faults. Too large: exchanged axes are believed.
-  double least_turn_rad = 0.25;
+  // Shear that turns in one frame (kTurned) does so by at least this share of the normal force, 0.02 … 0.3,
+  // in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small: knocks are called
+  // faults. Too large: exchanged axes are believed.
   double least_turn_share = 0.05;
   double fast_step_s = 3e-3;
 };
@@ -57,7 +43,7 @@ class Continuity {
  private:
   bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
               const ContinuityOptions& options) noexcept;
-  double by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept;
+  double by_growth(const ContactPatch& patch) const noexcept;
   bool turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept;
   bool scaled(const ContactPatch& patch, const PatternChange& pattern,
               const ContinuityOptions& options) noexcept;

@@ -5,7 +5,7 @@
 
 namespace slipd {
 
-bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJumpOptions& options) noexcept {
+bool NoiseJump::update(const Channels& channels, bool in_contact) noexcept {
   if (!in_contact) {
     *this = {};
     return false;
@@ -17,7 +17,7 @@ bool NoiseJump::update(const Channels& channels, bool in_contact, const NoiseJum
     const bool turns = static_cast<double>(change.turned) > kNoiseTurns * static_cast<double>(change.changed);
     if (step_pa2 <= kBeyondUsual * usual_pa2_[c]) {
       ++quiet;
-    } else if (turns && usual_pa2_[c] > 0 && step_pa2 > options.jumped * usual_pa2_[c]) {
+    } else if (turns && usual_pa2_[c] > 0 && step_pa2 > kWrongScale * usual_pa2_[c]) {
       ++noisy;
     }
   }

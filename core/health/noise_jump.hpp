@@ -11,20 +11,13 @@
 
 namespace slipd {
 
-// Checked with `slipd-lab faults` and on recordings of real sensors.
-struct NoiseJumpOptions {
-  // Mean squared step from frame to frame of the noisy channel, of what is usual, while that of the others is
-  // within kBeyondUsual; 10 … 1000. Too small: vibrations and quick loads are called noise. Too large: noise
-  // passes.
-  double jumped = 30;
-};
-
 class NoiseJump {
  public:
   using Channels = std::array<ChannelChange, kChannels>;
 
-  // One frame. Returns whether one of its channels is too noisy. Starts anew where there is no contact.
-  bool update(const Channels& channels, bool in_contact, const NoiseJumpOptions& options) noexcept;
+  // One frame. Returns whether one of its channels is too noisy: by kWrongScale, while the others are within
+  // kBeyondUsual. Starts anew where there is no contact.
+  bool update(const Channels& channels, bool in_contact) noexcept;
 
  private:
   std::array<double, kChannels> usual_pa2_{};

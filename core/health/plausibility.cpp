@@ -67,8 +67,7 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
     judge_lines();
     judge_past();
   }
-  if (noise_jump_.update(probes_.channels(), patch.in_contact, options_.noise_jump))
-    blame(Verdict::frame_refused, Health::noisy);
+  if (noise_jump_.update(probes_.channels(), patch.in_contact)) blame(Verdict::frame_refused, Health::noisy);
   judge_continuity(frame, patch);
   judge_time(frame);
   const bool repeats = frozen && any_ && patch.normal_n == last_normal_n_ &&
@@ -84,7 +83,7 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
     now_.taxels_left_out = static_cast<std::uint32_t>(spikes_found_);
     if (patch.normal_n > 0) now_.left_out_share = std::min(1.0, spikes_.left_out_n() / patch.normal_n);
     if (spikes_found_ <= spikes_.may_leave()) {
-      const bool enough = now_.left_out_share <= options_.most_left_out_share;
+      const bool enough = now_.left_out_share <= options_.most_bad_share;
       blame(enough ? Verdict::taxels_left_out : Verdict::frame_refused, Health::spike);
     } else {
       blame(Verdict::frame_refused, patch.finite ? Health::full_scale : Health::not_finite);
@@ -121,9 +120,9 @@ bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
   const double peak_pa = last_peak_pa_;
   if (limits_.flat) {
     const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
-    const bool steady = change_.known() && change_.mean < options_.steady_change;
+    const bool steady = change_.known() && change_.mean < options_.steady_share;
     return steady && rise_pa > kBeyondUsual * peak_pa &&
-           std::fabs(peak_rise_pa - rise_pa) < options_.flat_rise_even * rise_pa;
+           std::fabs(peak_rise_pa - rise_pa) < options_.steady_share * rise_pa;
   }
   const bool small_before = std::fabs(static_cast<double>(last_least_pa_)) < kUnloading * peak_pa;
   return small_before && rise_pa > options_.least_rise_share * peak_pa;
@@ -180,7 +179,7 @@ bool PlausibilityMonitor::judge_frozen() noexcept {
     frame_stillness_.skip();
     return false;
   }
-  if (frame_stillness_.update(all, options_.stillness)) {
+  if (frame_stillness_.update(all)) {
     blame_repeated(frame_stillness_.run());
   }
   return all.changed == 0;
@@ -220,13 +219,13 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
   }
   const bool normal = channel == normal_channel;
   if (seen.change.changed > 0) {
-    is.stillness.update(seen.change, options_.stillness);
+    is.stillness.update(seen.change);
     const bool vanished = !normal && seen.nonzero == 0 && seen.nonzero_before >= kBadTaxels &&
                           patch.in_contact && last_in_contact_ &&
                           patch.normal_n > kUnloading * last_normal_n_;
     is.dead = vanished;
   } else if (normal || seen.nonzero > 0 || is.alive_in_contact || is.alive_free >= learning_frames()) {
-    is.dead = is.stillness.update(seen.change, options_.stillness) || is.dead;
+    is.dead = is.stillness.update(seen.change) || is.dead;
   } else {
     is.stillness.skip();  // no shear yet, of a sensor without noise of its own
     is.dead = is.dead && patch.in_contact;
@@ -245,7 +244,7 @@ void PlausibilityMonitor::judge_lines() noexcept {
   for (std::size_t line = all_move ? turn_ : 0; line < lines_.size(); line += all_move ? turns : 1) {
     Stillness& stillness = lines_[line];
     if (line % turns != turn_ && stillness.run() == 0 && probes_.line_moved(line)) continue;
-    const bool still = stillness.update(probes_.line(line), options_.stillness);
+    const bool still = stillness.update(probes_.line(line));
     lines_stand_ = lines_stand_ || stillness.run() > 0;
     if (still && stillness.run() >= kSureFrames) blame(Verdict::sensor_fault, Health::dead_row);
   }
@@ -263,15 +262,15 @@ void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
   is.last_extreme_pa = extreme_pa;
   if (!comparable || probes_.channels()[channel].change.changed == 0) return is.extreme.skip();
   if (step_pa != 0) {
-    is.extreme.update({1, 1, step_pa * is.extreme_step_pa < 0 ? 1U : 0U}, options_.stillness);
+    is.extreme.update({1, 1, step_pa * is.extreme_step_pa < 0 ? 1U : 0U});
     is.extreme_step_pa = step_pa;
   } else {
     const std::size_t at_rail = count_at(channel, extreme_pa, frame, patch);
     const bool many =
         at_rail >=
         std::max<std::size_t>(
-            kFewInside, static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
-    const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0}, options_.stillness);
+            kFewInside, static_cast<std::size_t>(options_.most_bad_share * static_cast<double>(patch.count)));
+    const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0});
     if (is.extreme.run() >= kSureFrames && (still || many)) is.rail_pa = extreme_pa;
   }
   if (extreme_pa == is.rail_pa) blame(Verdict::frame_refused, Health::saturated);

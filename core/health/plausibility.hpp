@@ -52,19 +52,16 @@ struct PlausibilityOptions {
   static constexpr std::size_t kPast = 64;
 
   SpikeOptions spikes;
-  // Share of the force that neighbours may stand for; 0.02 … 0.3. Too small: a frame with a spike gives no
-  // margin. Too large: on few taxels the margin is that of another contact.
-  double most_left_out_share = 0.1;
-  StillnessOptions stillness;
+  // Share of a contact that may be bad, 0.02 … 0.3: of its force, which neighbours stand for, and of its
+  // taxels, which all read the greatest value (at least kFewInside). Too small: a frame with a spike gives no
+  // margin, and quantised values pass for saturation. Too large: on few taxels the margin is that of another
+  // contact, and saturation is believed.
+  double most_bad_share = 0.1;
   ContinuityOptions continuity;
-  NoiseJumpOptions noise_jump;
 
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
   std::size_t probes = 192;
-  // Taxels that read the same greatest value, of the contact's, and at least kFewInside; 0.05 … 0.5. Too
-  // small: quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
-  double rail_share = 0.15;
   // The contact's centre does not move by more than the contact's radius and this in one frame; sides, 1
   // … 10. Too small: rolling contacts at low rates jump. Too large: another sensor's frames are believed.
   double jump_sides = 3;
@@ -72,12 +69,10 @@ struct PlausibilityOptions {
   // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
   double least_rise_share = 0.5;
   // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
-  // alike, to this share, by more than kBeyondUsual times the greatest one; 0.02 … 0.3. Too small: an offset
-  // is believed. Too large: quick grips have no margin.
-  double flat_rise_even = 0.1;
-  // In a hold whose normal force changed by less than this share a frame; 0.01 … 0.2. Too small: an offset
-  // is believed. Too large: quick grips have no margin.
-  double steady_change = 0.05;
+  // alike, to this share, by more than kBeyondUsual times the greatest one, in a hold whose normal force
+  // changed by less than this share a frame; 0.02 … 0.2. Too small: an offset is believed. Too large: quick
+  // grips have no margin.
+  double steady_share = 0.05;
 };
 
 class PlausibilityMonitor {

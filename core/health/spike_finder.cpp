@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/frame/few_taxels.hpp"
+
 namespace slipd {
 namespace {
 
@@ -30,7 +32,7 @@ SpikeFinder::SpikeFinder(const TaxelLayout& layout, const PlausibilityLimits& li
     : layout_(layout),
       limits_(limits),
       options_(options),
-      may_leave_(std::clamp<std::size_t>(layout.size() / options.one_in, 1, options.most)),
+      may_leave_(layout.size() < kLeastTaxels ? 1 : kBadTaxels),
       normal_(layout.size()),
       shear_x_(layout.size()),
       shear_y_(layout.size()) {

@@ -32,11 +32,6 @@ struct SpikeOptions {
   // shears off the contact is; 1.05 … 2. Too small: costs time. Too large: spikes little above the contact's
   // peak stay until the next look, and sigma is wide until then.
   double grown_factor = 1.25;
-  // At most one taxel in so many is left out, at least one; 8 … 100. Too small: margins from what is left.
-  // Too large: sensors with several bad taxels give no margin.
-  std::size_t one_in = 32;
-  // Nor more than this many; taxels.
-  std::size_t most = 8;
   // Shear above the taxel's own pressure by this factor that stands alone is a spike; 1 … 10. Friction
   // coefficients are below 2.
   double shear_factor = 2;
@@ -47,7 +42,7 @@ class SpikeFinder {
   SpikeFinder(const TaxelLayout& layout, const PlausibilityLimits& limits, const SpikeOptions& options = {});
 
   // Looks for spikes in the frame that `patch` is of. Returns how many are left out, or more than may_leave()
-  // if there are too many to leave out.
+  // if there are too many to leave out: more than kBadTaxels.
   std::size_t find(const Frame& frame, const ContactPatch& patch) noexcept;
 
   std::size_t may_leave() const noexcept { return may_leave_; }

@@ -5,14 +5,14 @@
 
 namespace slipd {
 
-bool Stillness::update(const GroupChange& now, const StillnessOptions& options) noexcept {
+bool Stillness::update(const GroupChange& now) noexcept {
   if (now.changed == 0) {
     ++run_;
     if (!noisy()) return false;
     // Laplace's rule of succession: so few frames do not show that a value changes always.
     const double unchanged = (1 + (1 - changing_) * frames_) / (2.0 + frames_);
     const double nats = -std::log(unchanged) * static_cast<double>(now.values) * run_;
-    called_ = nats > options.sure_nats && run_ > options.longer_than_before * longest_;
+    called_ = nats > kSureNats && run_ > kBeyondUsual * longest_;
     return called_;
   }
   const double gain = 1.0 / std::min<std::uint32_t>(frames_ + 1, kMemoryFrames);

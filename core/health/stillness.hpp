@@ -17,19 +17,15 @@ struct GroupChange {
   std::size_t turned = 0;   // of these, those that changed the other way than the last time
 };
 
-struct StillnessOptions {
-  // Evidence that it is not chance; nats, 12 … 40. Chance makes e^-20 = 2e-9 of it. Too small: false alarms.
-  // Too large: dead groups of few values are noticed late.
-  double sure_nats = 20;
-  // A stillness has to last longer than any before by this factor; 1 … 5. Too small: devices that repeat
-  // frames now and then are called frozen. Too large: late.
-  double longer_than_before = 2;
-};
+// Evidence that a stillness is not chance; nats, 12 … 40. Chance makes e^-20 = 2e-9 of it. Too small: false
+// alarms. Too large: dead groups of few values are noticed late.
+inline constexpr double kSureNats = 20;
 
 class Stillness {
  public:
-  // One frame. Returns whether the group stands still though it should not.
-  bool update(const GroupChange& now, const StillnessOptions& options) noexcept;
+  // One frame. Returns whether the group stands still though it should not: beyond chance, and for longer
+  // than kBeyondUsual times any run that was taken for chance, since some devices repeat frames.
+  bool update(const GroupChange& now) noexcept;
 
   // The group stood still, or was empty, for a reason that is known: nothing is learnt from this frame.
   void skip() noexcept {

@@ -21,6 +21,12 @@ inline std::uint32_t learning_frames() noexcept {
 // believed.
 inline constexpr double kBeyondUsual = 3;
 
+// What is off by this factor no contact explains: pressures for a contact's size, and the mean squared change
+// of one channel while the others are as usual; 5 … 100. Too small: quick grips of flat skins, contacts
+// unlike a sphere, vibrations and quick loads are called faults. Too large: a wrong unit, and noise, are
+// believed.
+inline constexpr double kWrongScale = 30;
+
 // Share of changes that turn, from which they are noise and no load; 0.1 … 0.6. Independent noise turns in 2
 // of 3 frames, a load without noise hardly ever. Too small: a trembling load passes for noise. Too large:
 // noise under a fast load is not seen, and a frozen sensor is believed.

@@ -8,6 +8,7 @@
 
 #include "core/frame/pause.hpp"
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
 
 namespace slipd {
 namespace {
@@ -148,7 +149,7 @@ void BiasEstimator::review() noexcept {
   blocks_below_ = below ? blocks_below_ + 1 : 0;
   if (trusted()) {
     check_.note_pressed(block.normal_pa, zero_);
-    if (blocks_below_ >= options_.below_blocks) set_doubt(BiasDoubt::below, block);
+    if (blocks_below_ >= kSureFrames) set_doubt(BiasDoubt::below, block);
     return;
   }
   if (fits_again(block, below)) set_doubt(BiasDoubt::none, block);
@@ -228,8 +229,11 @@ void BiasEstimator::answer(BiasResult what) noexcept {
 bool BiasEstimator::stands_still() const noexcept {
   const auto now = block_.mean_pa();
   const Kinds least = quieter_by_kind();
-  const float errors = 1 / std::min(options_.max_independent_frames, static_cast<float>(block_.frames())) +
-                       1 / std::min(options_.max_independent_frames, static_cast<float>(last_frames_));
+  // Flicker noise does not fall with the number of frames.
+  const auto independent = [](std::uint32_t frames) {
+    return static_cast<float>(std::min(kMemoryFrames, frames));
+  };
+  const float errors = 1 / independent(block_.frames()) + 1 / independent(last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
     const float within = square(kStillErrors) * errors * variance + square(kRounding * now[i]);
@@ -278,7 +282,7 @@ bool BiasEstimator::near_bias() const noexcept {
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
     const float within = std::max(static_cast<float>(kClearSigmas) * std::max(zero_.noise_pa[i], least),
-                                  options_.check.near_steps * step_pa(i)) +
+                                  static_cast<float>(kStrongSigmas) * rounding_noise(step_pa(i))) +
                          kRounding * std::abs(now[i]);
     if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
   }

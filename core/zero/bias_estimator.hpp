@@ -26,15 +26,9 @@ namespace slipd {
 // block's mean. Nothing in slipd-lab has a bias: checked by tests/core/zero/bias_estimator_test.cpp, on
 // sensors with white and flicker noise, drift and touches.
 struct BiasEstimatorOptions {
-  // Frames of a block that count as independent at most; 16 … 10000. Flicker noise does not fall with their
-  // number. Too small: a slow touch is no movement. Too large: flicker is movement.
-  float max_independent_frames = 100;
   // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
   // large: the answer comes late.
   int max_tries = 8;
-  // Blocks in a row that read far below the zero before it is doubted; 1 … 10. Too small: a sensor that is
-  // pulled at for a moment is without a zero. Too large: the doubt comes late.
-  int below_blocks = 2;
   // When a zero is doubted.
   ZeroCheckOptions check = {};
 };
@@ -142,7 +136,7 @@ class BiasEstimator {
   bool report_new_ = false;     // the report has changed in apply
   bool has_last_seen_ = false;  // last_seen_ is what the sensor read before it was away
   std::vector<float> last_seen_;
-  int blocks_below_ = 0;
+  std::uint32_t blocks_below_ = 0;
 };
 
 }  // namespace slipd

@@ -25,7 +25,7 @@ float ZeroCheck::tolerance_pa(const Bias& zero, std::size_t channel, const Floor
   const float noise =
       std::max(zero.noise_pa[channel], normal ? floors.noise_normal_pa : floors.noise_shear_pa);
   const float step = normal ? floors.step_normal_pa : floors.step_shear_pa;
-  return std::max(static_cast<float>(kStrongSigmas) * noise, options_.near_steps * step);
+  return static_cast<float>(kStrongSigmas) * std::max(noise, rounding_noise(step));
 }
 
 bool ZeroCheck::agrees(const Frame& reading, const Bias& zero, std::span<const float> last_pa,

@@ -3,6 +3,7 @@
 // contact, or like one. Used by BiasEstimator.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,13 +13,15 @@
 
 namespace slipd {
 
+// Standard deviation of a reading by rounding to the sensor's smallest step: of a value that is even over it.
+inline float rounding_noise(float step) noexcept {
+  constexpr float kVariance = 1.0F / 12;
+  return std::sqrt(kVariance) * step;
+}
+
 // Checked by tests/core/zero/zero_check_test.cpp and bias_estimator_test.cpp, on sensors with offsets, noise,
 // drift, contacts and exchanges.
 struct ZeroCheckOptions {
-  // A channel agrees with the zero within kStrongSigmas of a frame, or so many of its smallest steps,
-  // whichever is more; 1.5 … 5. Too small: drift while the sensor was away makes a zero doubtful. Too large:
-  // another sensor's offsets pass for drift.
-  float near_steps = 2;
   // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and at least kBadTaxels. Too small:
   // offsets that happen to be alike pass. Too large: a restart in mid-grasp is without a margin until the
   // object is let go.
@@ -69,6 +72,7 @@ class ZeroCheck {
   static float mean_off_pa(const Frame& reading, const Bias& zero) noexcept;
 
  private:
+  // kStrongSigmas of a frame, whose noise is no less than that of rounding.
   float tolerance_pa(const Bias& zero, std::size_t channel, const Floors& floors) const noexcept;
 
   std::size_t taxels_;

@@ -8,7 +8,6 @@
 namespace slipd {
 namespace {
 
-constexpr NoiseJumpOptions kNoiseJump;
 constexpr std::size_t kProbes = 100, kTurning = 66;
 
 // Noise of these mean squared steps, Pa^2.
@@ -26,12 +25,12 @@ NoiseJump::Channels noise(double normal_pa2, double shear_x_pa2, double shear_y_
 class ANoiseJump : public ::testing::Test {
  protected:
   void SetUp() override {
-    for (int i = 0; i < 100; ++i) ASSERT_FALSE(jump_.update(noise(1, 1, 1), true, kNoiseJump));
+    for (int i = 0; i < 100; ++i) ASSERT_FALSE(jump_.update(noise(1, 1, 1), true));
   }
   // Whether one of ten such frames is called noisy.
   bool noticed(const NoiseJump::Channels& channels) {
     bool any = false;
-    for (int i = 0; i < 10; ++i) any = jump_.update(channels, true, kNoiseJump) || any;
+    for (int i = 0; i < 10; ++i) any = jump_.update(channels, true) || any;
     return any;
   }
   NoiseJump jump_;
@@ -42,7 +41,7 @@ TEST_F(ANoiseJump, OfOneChannelIsNoticed) {
 }
 
 TEST_F(ANoiseJump, OfOneFrameIsNot) {
-  EXPECT_FALSE(jump_.update(noise(1, 100, 1), true, kNoiseJump));
+  EXPECT_FALSE(jump_.update(noise(1, 100, 1), true));
   EXPECT_FALSE(noticed(noise(1, 1, 1)));
 }
 
@@ -55,7 +54,7 @@ TEST_F(ANoiseJump, IsNotALoadThatDoesNotTurn) {
 }
 
 TEST_F(ANoiseJump, IsNotNoticedInANewContact) {
-  jump_.update(noise(1, 1, 1), false, kNoiseJump);
+  jump_.update(noise(1, 1, 1), false);
   EXPECT_FALSE(noticed(noise(1, 100, 1)));
 }
 

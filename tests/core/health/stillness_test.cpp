@@ -10,8 +10,6 @@
 namespace slipd {
 namespace {
 
-constexpr StillnessOptions kOptions;
-
 // A group of values with the bookkeeping of Probes.
 class Group {
  public:
@@ -53,25 +51,25 @@ class StillnessOf : public ::testing::Test {
 };
 
 TEST_F(StillnessOf, NoiseThatStopsIsNoticedAtOnce) {
-  for (int i = 0; i < 100; ++i) ASSERT_FALSE(stillness_.update(group_.to(noise()), kOptions));
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(stillness_.update(group_.to(noise())));
   const auto last = noise();
-  EXPECT_FALSE(stillness_.update(group_.to(last), kOptions));
-  EXPECT_TRUE(stillness_.update(group_.to(last), kOptions));
+  EXPECT_FALSE(stillness_.update(group_.to(last)));
+  EXPECT_TRUE(stillness_.update(group_.to(last)));
 }
 
 TEST_F(StillnessOf, ALoadWithoutNoiseMayStandStill) {
   for (int i = 0; i < 200; ++i) {
     const double load = i;
-    ASSERT_FALSE(stillness_.update(group_.to(std::vector<double>(kValues, load)), kOptions));
+    ASSERT_FALSE(stillness_.update(group_.to(std::vector<double>(kValues, load))));
   }
   for (int i = 0; i < 1000; ++i)
-    ASSERT_FALSE(stillness_.update(group_.to(std::vector<double>(kValues, 199)), kOptions));
+    ASSERT_FALSE(stillness_.update(group_.to(std::vector<double>(kValues, 199))));
 }
 
 TEST_F(StillnessOf, ValuesThatRepeatBecauseTheyAreQuantisedAreNoStandstill) {
   constexpr double kStep = 1.5;  // a value in three is not 0
   int alarms = 0;
-  for (int i = 0; i < 200000; ++i) alarms += stillness_.update(group_.to(noise(kStep)), kOptions) ? 1 : 0;
+  for (int i = 0; i < 200000; ++i) alarms += stillness_.update(group_.to(noise(kStep))) ? 1 : 0;
   EXPECT_EQ(alarms, 0);
 }
 
@@ -79,7 +77,7 @@ TEST_F(StillnessOf, ADeviceThatGivesEachFrameThreeTimesIsNoStandstill) {
   std::vector<double> values = noise();
   for (int i = 0; i < 3000; ++i) {
     if (i % 3 == 0) values = noise();
-    ASSERT_FALSE(stillness_.update(group_.to(values), kOptions)) << i;
+    ASSERT_FALSE(stillness_.update(group_.to(values))) << i;
   }
 }
 
