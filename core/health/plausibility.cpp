@@ -83,7 +83,7 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
     now_.taxels_left_out = static_cast<std::uint32_t>(spikes_found_);
     if (patch.normal_n > 0) now_.left_out_share = std::min(1.0, spikes_.left_out_n() / patch.normal_n);
     if (spikes_found_ <= spikes_.may_leave()) {
-      const bool enough = now_.left_out_share <= options_.most_bad_share;
+      const bool enough = now_.left_out_share <= kBadShare;
       blame(enough ? Verdict::taxels_left_out : Verdict::frame_refused, Health::spike);
     } else {
       blame(Verdict::frame_refused, patch.finite ? Health::full_scale : Health::not_finite);
@@ -267,9 +267,8 @@ void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
   } else {
     const std::size_t at_rail = count_at(channel, extreme_pa, frame, patch);
     const bool many =
-        at_rail >=
-        std::max<std::size_t>(
-            kFewInside, static_cast<std::size_t>(options_.most_bad_share * static_cast<double>(patch.count)));
+        at_rail >= std::max<std::size_t>(
+                       kFewInside, static_cast<std::size_t>(kBadShare * static_cast<double>(patch.count)));
     const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0});
     if (is.extreme.run() >= kSureFrames && (still || many)) is.rail_pa = extreme_pa;
   }

@@ -52,11 +52,6 @@ struct PlausibilityOptions {
   static constexpr std::size_t kPast = 64;
 
   SpikeOptions spikes;
-  // Share of a contact that may be bad, 0.02 … 0.3: of its force, which neighbours stand for, and of its
-  // taxels, which all read the greatest value (at least kFewInside). Too small: a frame with a spike gives no
-  // margin, and quantised values pass for saturation. Too large: on few taxels the margin is that of another
-  // contact, and saturation is believed.
-  double most_bad_share = 0.1;
   ContinuityOptions continuity;
 
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are

@@ -142,21 +142,19 @@ SpikeFinder::Neighbourhood SpikeFinder::around(const Values& values, std::uint32
 }
 
 // Hertz: under this pressure on one taxel the stiffest contact would reach its neighbours.
-bool SpikeFinder::spreads(double pressure_pa, double least_sides) const noexcept {
-  return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) > least_sides * layout_.side_m();
+bool SpikeFinder::spreads(double pressure_pa) const noexcept {
+  return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) >
+         kResolvedSides * layout_.side_m();
 }
 
 bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noexcept {
-  const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > kBeyondUsual * last_peak_pa_;
   if (around.greatest_normal_pa > options_.support_share * normal_pa) return false;
-  return spreads(normal_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
+  return spreads(normal_pa);
 }
 
 bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
-  const bool jumped = touched_ && last_shear_pa_ > 0 && shear_pa > kBeyondUsual * last_shear_pa_;
   return shear_pa > options_.shear_factor * normal_pa &&
-         around.greatest_shear_pa < options_.support_share * shear_pa &&
-         spreads(shear_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
+         around.greatest_shear_pa < options_.support_share * shear_pa && spreads(shear_pa);
 }
 
 void SpikeFinder::replace(std::uint32_t taxel, const Neighbourhood& around) noexcept {

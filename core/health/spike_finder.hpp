@@ -21,13 +21,8 @@ namespace slipd {
 struct SpikeOptions {
   // A taxel stands alone if no neighbour reads more than this share of it; 0.05 … 0.6. Too small: spikes
   // beside a contact are believed. Too large: the middle of a small contact is called a spike: Hertz's of
-  // least_radius_sides leaves 0.7 to a neighbour.
+  // kResolvedSides leaves 0.7 to a neighbour.
   double support_share = 0.4;
-  // The contact that carries the taxel's force alone would have at least this radius, sides; 1 … 3. Too
-  // small: contacts smaller than a taxel are called spikes. Too large: spikes are believed.
-  double least_radius_sides = 1.5;
-  // The same of a peak that jumped beyond kBeyondUsual, whatever the scene expects; 0.2 … 1.5.
-  double least_jumped_radius_sides = 0.5;
   // A peak is looked at if it is above the last frame's by this factor, and all taxels if the noise of single
   // shears off the contact is; 1.05 … 2. Too small: costs time. Too large: spikes little above the contact's
   // peak stay until the next look, and sigma is wide until then.
@@ -72,7 +67,7 @@ class SpikeFinder {
   std::uint32_t worst_shear() const noexcept;
   Values own() const noexcept { return {normal_, shear_x_, shear_y_}; }
   bool beyond(const Values& values, std::size_t taxel) const noexcept;
-  bool spreads(double pressure_pa, double least_sides) const noexcept;
+  bool spreads(double pressure_pa) const noexcept;
   bool alone(double normal_pa, const Neighbourhood& around) const noexcept;
   bool shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept;
   Neighbourhood around(const Values& values, std::uint32_t taxel) const noexcept;

@@ -29,7 +29,7 @@ PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
   x_m_.resize(room);
   y_m_.resize(room);
   channels_.resize(3 * room);
-  dead_.reserve(layout.size() / options.dead_one_in + 1);
+  dead_.reserve(static_cast<std::size_t>(kBadShare * static_cast<double>(layout.size())) + 1);
 }
 
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
@@ -152,7 +152,7 @@ std::size_t PatchFinder::refine() noexcept {
 // the contact too small.
 DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
-  if (!options_.fill_dead_taxels || a < options_.dead_min_radius_sides * layout_.side_m()) return {};
+  if (!options_.fill_dead_taxels || a < kResolvedSides * layout_.side_m()) return {};
   if (kClearSigmas * patch_.noise_normal_pa > options_.dead_below_share * peak_pa_) return {};
   return {static_cast<float>(options_.dead_below_share * peak_pa_),
           static_cast<float>(options_.dead_within_share * a * a)};
@@ -173,7 +173,7 @@ bool PatchFinder::interpolate_dead_taxels() noexcept {
     if (dead.neighbours >= options_.dead_min_neighbours && dead_.size() < dead_.capacity())
       dead_.push_back(dead);
   });
-  if (dead_.empty() || options_.dead_one_in * dead_taxels > patch_.count)
+  if (dead_.empty() || static_cast<double>(dead_taxels) > kBadShare * static_cast<double>(patch_.count))
     return false;  // it is the contact that is hollow
   copy_channels();
   float* const copy = channels_.data();
@@ -206,7 +206,8 @@ PatchFinder::DeadTaxel PatchFinder::in_place_of(std::uint32_t taxel, float least
     if (row > 0) add(taxel - grid->columns);
     if (row + 1 < grid->rows) add(taxel + grid->columns);
   } else {
-    const double near = options_.neighbour_sides * layout_.side_m();
+    // On a grid between those beside it and the diagonal ones.
+    const double near = (1 + std::numbers::sqrt2) / 2 * layout_.side_m();
     for (std::size_t i = 0; i < layout_.size(); ++i) {
       const float x = x_m_[i] - x_m_[taxel], y = y_m_[i] - y_m_[taxel];
       if (x * x + y * y < near * near) add(i);

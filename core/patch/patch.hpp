@@ -104,18 +104,9 @@ struct PatchOptions {
   // large: hollow contacts are filled.
   double dead_below_share = 0.1;
   double dead_within_share = 0.8;
-  // With a smaller radius, in sides, no taxel is called dead, nor where that share is not clear of noise; 1 …
-  // 5. Too small: small contacts are taken for dead taxels. Too large: dead ones stay.
-  double dead_min_radius_sides = 1.5;
-  // At most one in so many of the disc's taxels may be dead; 2 … 20. Too small: hollow contacts are filled.
-  // Too large: bad arrays are not repaired.
-  std::size_t dead_one_in = 4;
   // Neighbours that sense something, to stand for a dead taxel; 1 … 4. Too small: rows of dead taxels are
   // guessed. Too large: dead taxels beside others stay.
   int dead_min_neighbours = 3;
-  // Neighbours of an irregular layout lie within this, in sides; 1 … 2. Too small: there are none. Too large:
-  // taxels two places off stand for it as well.
-  double neighbour_sides = 1.3;
 };
 
 class PatchFinder {

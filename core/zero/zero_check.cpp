@@ -65,7 +65,7 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
       pressed_pa += load;
     }
   }
-  if (below < count_of(taxels_, options_.below_share)) return false;
+  if (below < count_of(taxels_, kBadShare)) return false;
   return lifted_pa > options_.below_over_pressed * pressed_pa || 2 * below > taxels_;
 }
 

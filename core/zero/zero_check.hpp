@@ -31,9 +31,6 @@ struct ZeroCheckOptions {
   // this share of the greatest pressure that it had. Too small: a skin that relaxes is taken for another
   // sensor. Too large: an offset passes for a load, or hides.
   float relaxed_share = 0.1F;
-  // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least
-  // kBadTaxels. Too small: a bad taxel does. Too large: a zero that was taken from a small contact is used.
-  double below_share = 1.0 / 16;
   // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
   // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
   // was taken from a contact is used while another contact is there. More than half of the taxels far below
@@ -60,7 +57,7 @@ class ZeroCheck {
   bool agrees(const Frame& reading, const Bias& zero, std::span<const float> last_pa,
               const Floors& floors) const noexcept;
 
-  // Whether `reading` is further below `zero` than any contact presses it, on many taxels.
+  // Whether `reading` is further below `zero` than any contact presses it, on more taxels than may be bad.
   bool is_below(const Frame& reading, const Bias& zero, const Floors& floors) const noexcept;
 
   // Keeps the greatest pressure of each taxel; of readings whose zero is in use.
