@@ -141,20 +141,22 @@ SpikeFinder::Neighbourhood SpikeFinder::around(const Values& values, std::uint32
   return sums;
 }
 
-// Hertz: under this pressure on one taxel the stiffest contact would reach its neighbours.
-bool SpikeFinder::spreads(double pressure_pa) const noexcept {
-  return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) >
-         kResolvedSides * layout_.side_m();
+// Hertz: under this pressure on one taxel the stiffest contact would reach its neighbours. A pressure that
+// jumped beyond kBeyondUsual is evidence by itself: that contact may be as much smaller.
+bool SpikeFinder::spreads(double pressure_pa, double last_pa) const noexcept {
+  const bool jumped = touched_ && last_pa > 0 && pressure_pa > kBeyondUsual * last_pa;
+  const double least_sides = jumped ? kResolvedSides / kBeyondUsual : kResolvedSides;
+  return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) > least_sides * layout_.side_m();
 }
 
 bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noexcept {
   if (around.greatest_normal_pa > options_.support_share * normal_pa) return false;
-  return spreads(normal_pa);
+  return spreads(normal_pa, last_peak_pa_);
 }
 
 bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
   return shear_pa > options_.shear_factor * normal_pa &&
-         around.greatest_shear_pa < options_.support_share * shear_pa && spreads(shear_pa);
+         around.greatest_shear_pa < options_.support_share * shear_pa && spreads(shear_pa, last_shear_pa_);
 }
 
 void SpikeFinder::replace(std::uint32_t taxel, const Neighbourhood& around) noexcept {

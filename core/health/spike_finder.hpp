@@ -67,7 +67,7 @@ class SpikeFinder {
   std::uint32_t worst_shear() const noexcept;
   Values own() const noexcept { return {normal_, shear_x_, shear_y_}; }
   bool beyond(const Values& values, std::size_t taxel) const noexcept;
-  bool spreads(double pressure_pa) const noexcept;
+  bool spreads(double pressure_pa, double last_pa) const noexcept;
   bool alone(double normal_pa, const Neighbourhood& around) const noexcept;
   bool shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept;
   Neighbourhood around(const Values& values, std::uint32_t taxel) const noexcept;
