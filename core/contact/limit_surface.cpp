@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/contact/averages.hpp"
+#include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
@@ -110,10 +112,10 @@ class Search {
   }
 
   // The least dissipation, and b there.
-  void run(const LimitSurfaceOptions& options) noexcept {
+  void run() noexcept {
     constexpr int kMostHalvings = 8;
     Dissipation now = at(0, 0);
-    for (int step = 0; step < options.most_steps; ++step) {
+    for (int step = 0; step < kMostSteps; ++step) {
       const double d_1 = static_cast<double>(now.d_1), d_2 = static_cast<double>(now.d_2);
       double d_11 = static_cast<double>(now.d_11), d_22 = static_cast<double>(now.d_22);
       const double d_12 = static_cast<double>(now.d_12);
@@ -126,7 +128,8 @@ class Search {
       }
       const double to_1 = -(d_22 * d_1 - cross * d_2) / det, to_2 = -(d_11 * d_2 - cross * d_1) / det;
       const double gain = -(d_1 * to_1 + d_2 * to_2);
-      if (!(gain > options.settled_share * static_cast<double>(now.value))) break;
+      // Beyond, single precision does not tell a gain.
+      if (!(gain > static_cast<double>(std::numeric_limits<float>::epsilon() * now.value))) break;
       double part = 1;
       Dissipation next = at(b_ + to_1, c_ + to_2);
       for (int i = 0; i < kMostHalvings && !(next.value < now.value); ++i) {
@@ -184,7 +187,7 @@ LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n,
                     .spread = static_cast<float>(side_m_ * side_m_ / (12 * unit_m * unit_m)),
                     .count = size_};
   Search search(cells, pull_x, pull_y, shear_n / load_n, turn_n / load_n);
-  search.run(options_);
+  search.run();
   if (!(search.least() > 0)) return {};
   return {.ratio = load_n / search.least(),
           .per_shear_n = search.along() / search.least(),

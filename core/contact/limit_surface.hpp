@@ -22,22 +22,10 @@ struct LeastFriction {
   double per_torque_nm = 0;
 };
 
-struct LimitSurfaceOptions {
-  // The search for the velocity ends when its next step would lower the bound by less than this share;
-  // 1e-8 … 1e-3. Too small: costs time, and single precision ends it. Too large: the margin is too safe by as
-  // much.
-  double settled_share = 1e-6;
-  // Steps at most; 3 … 30. Usually 2 to 4 are needed. Too small: as above. Too large: the longest frame takes
-  // longer.
-  int most_steps = 12;
-};
-
 class LimitSurface {
  public:
   // Cells at most; further ones are ignored.
   static constexpr std::size_t kMost = 256;
-
-  explicit LimitSurface(const LimitSurfaceOptions& options = {}) noexcept : options_(options) {}
 
   // No cells yet. side_m: of the squares that the cells' pressure is spread over, > 0, without what the
   // torque lacks as well: a taxel's shear is a mean, so that the torque within it is not sensed.
@@ -52,7 +40,6 @@ class LimitSurface {
   LeastFriction least_friction(double shear_x_n, double shear_y_n, double torque_nm) const noexcept;
 
  private:
-  LimitSurfaceOptions options_;
   std::size_t size_ = 0;
   double side_m_ = 0, normal_n_ = 0, squares_n_m2_ = 0;
   alignas(64) std::array<float, kMost> x_m_{}, y_m_{}, normal_each_n_{};

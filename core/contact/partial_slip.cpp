@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/numeric/iteration.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {
@@ -283,8 +284,8 @@ void PartialSlip::refer(const Point& next) noexcept {
     step += to_go * to_go;
   }
   const double unit = std::max(limit_sum_n_, reference_at_[3]);
-  if (so_far > 0 && (along < kStraight * std::sqrt(so_far * step) ||
-                     so_far > options_.increment_share * options_.increment_share * unit * unit)) {
+  if (so_far > 0 &&
+      (along < kStraight * std::sqrt(so_far * step) || so_far > kIncrement * kIncrement * unit * unit)) {
     reference_x_ = x_;
     reference_y_ = y_;
     reference_at_ = at_;
@@ -309,7 +310,7 @@ void PartialSlip::solve(const Sums& target) noexcept {
   const auto step = static_cast<float>(1 / greatest_give());
   double limits = 0;
   for (const float most : limit_) limits += static_cast<double>(most) * static_cast<double>(most);
-  const double settled = options_.settled_share * options_.settled_share * limits;
+  const double settled = kSettled * kSettled * limits;
   trial_x_ = x_;
   trial_y_ = y_;
   motion_ = {};  // that of a load that slid is far from any other
@@ -350,7 +351,7 @@ void PartialSlip::solve(const Sums& target) noexcept {
 // The point within friction and with the sums `target` that is next to (dx_, dy_): each cell is moved by one
 // rigid motion and cut to its limit. The motion is the minimum of a convex function of three unknowns.
 void PartialSlip::project(const Sums& target) noexcept {
-  constexpr int kMostSteps = 30, kMostHalvings = 12;
+  constexpr int kMostHalvings = 12;
   constexpr double kExact = 1e-6;  // of mu P
   const auto& kernels = best_kernels<PartialSlipKernels>();
   const auto at = [&](const std::array<double, 3>& motion) {

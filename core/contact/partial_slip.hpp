@@ -29,17 +29,17 @@ struct PlaneLoad {
   bool operator==(const PlaneLoad&) const = default;
 };
 
+// The load's way, as a share of mu P, that is one increment, 0.02 … 0.5: up to it an increment's beginning
+// stays the reference, and what is further at once is cut into parts. Too small: costs time, and errors of
+// many increments add up. Too large: histories are cut short, and forces that rise together do not stick.
+inline constexpr double kIncrement = 0.05;
+
 // Measured on the frames of tests/data/force-and-torque*.bin.
 struct PartialSlipOptions {
-  // Steps of the gradient for one increment; 10 … 1000. Too small: a large increment is not ended, and the
+  // Steps of the gradient for one increment, which ends when one changes the tractions by less than kSettled
+  // of mu p, as root mean squares; 10 … 1000. Too small: a large increment is not ended, and the
   // next one goes on with it. Too large: one takes longer. 1 is a Winkler bed.
   int most_steps = 60;
-  // The increment has ended when a step changes the tractions by less than this share of mu p, as root mean
-  // squares; 1e-7 … 1e-3. Too small: costs time. Too large: as above.
-  double settled_share = 5e-5;
-  // Load of an increment, as a share of mu P, up to which its beginning stays the reference; 0.01 … 0.2. Too
-  // small: errors of many increments add up. Too large: histories are cut short.
-  double increment_share = 0.05;
   // Share of the limit surface up to which a load is carried; beyond, the object slides, and the load is
   // carried as far as that; 0.98 … 0.9999. Too small: a sliding contact shows parts that stick. Too large:
   // costs steps.

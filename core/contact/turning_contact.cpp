@@ -44,7 +44,7 @@ void TurningContact::begin(const LoadHistory& from) noexcept {
   radius_m_ = from.contact_radius_m();
   friction_ = from.friction();
   load_ = {.shear_x_n = from.shear_n(), .shear_y_n = 0, .torque_nm = 0};
-  const double side_m = 2 * options_.room * radius_m_ / static_cast<double>(kGrid);
+  const double side_m = 2 * kSpare * radius_m_ / static_cast<double>(kGrid);
   slip_.release(side_m);
   old_x_n_.fill(0);
   old_y_n_.fill(0);
@@ -75,7 +75,7 @@ void TurningContact::press(double normal_n) noexcept {
 void TurningContact::choose_grid() noexcept {
   const double side_m = slip_.side_m(), half_m = side_m * static_cast<double>(kGrid) / 2;
   if (radius_m_ < half_m && radius_m_ > options_.least_filled * half_m) return;
-  const double new_side_m = 2 * options_.room * radius_m_ / static_cast<double>(kGrid);
+  const double new_side_m = 2 * kSpare * radius_m_ / static_cast<double>(kGrid);
   const double area = new_side_m * new_side_m / (side_m * side_m);
   for (std::size_t cell = 0; cell < old_x_n_.size(); ++cell) {
     const double u = place_m(cell % kGrid, new_side_m), v = place_m(cell / kGrid, new_side_m);
@@ -111,8 +111,7 @@ void TurningContact::move_to(double normal_n, const PlaneLoad& load, double fric
        std::fabs(load.shear_y_n - from.shear_y_n),
        std::fabs(load.torque_nm - from.torque_nm) / pair_.contact_radius_m(std::max(normal_n, from_n))});
   constexpr double kMostParts = 40;
-  const int parts =
-      static_cast<int>(std::clamp(std::ceil(way_n / (options_.longest_increment * most_n)), 1.0, kMostParts));
+  const int parts = static_cast<int>(std::clamp(std::ceil(way_n / (kIncrement * most_n)), 1.0, kMostParts));
   for (int i = 1; i <= parts; ++i) {
     const double part = static_cast<double>(i) / parts;
     const auto at = [part](double a, double b) { return part == 1 ? b : a + part * (b - a); };

@@ -16,12 +16,6 @@
 namespace slipd::contact {
 
 struct TurningContactOptions {
-  // Greatest part of the load's way, as a share of mu P, that is one increment; 0.02 … 0.5. Too small: costs
-  // time. Too large: forces that rise together do not stick.
-  double longest_increment = 0.1;
-  // Half the grid over the contact's radius when a grid is made; 1.05 … 1.5. Too small: a growing contact
-  // soon needs another. Too large: cells are coarse.
-  double room = 1.15;
   // Radius over half the grid below which a new grid is made; 0.3 … 0.8. Too small: cells are coarse. Too
   // large: grids follow each other, and each blurs the tractions by its cells.
   double least_filled = 0.6;

@@ -26,7 +26,7 @@ inline constexpr std::size_t kBadTaxels = 3;
 inline constexpr std::size_t kLeastTaxels = 8;
 
 // Share of a contact, or of a sensor, that may be bad, 0.02 … 0.3: of the force that neighbours stand for, of
-// the contact's taxels that are dead or all read the greatest value, and of all taxels that read far below
+// the contact's taxels that all read the greatest value, and of all taxels that read far below
 // the zero. Too small: a frame with a spike gives no margin, quantised values pass for saturation, and a bad
 // taxel contradicts a zero. Too large: on few taxels the margin is that of another contact, saturation is
 // believed, and a zero that was taken from a small contact is used.

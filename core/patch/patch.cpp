@@ -29,7 +29,7 @@ PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
   x_m_.resize(room);
   y_m_.resize(room);
   channels_.resize(3 * room);
-  dead_.reserve(static_cast<std::size_t>(kBadShare * static_cast<double>(layout.size())) + 1);
+  dead_.reserve(static_cast<std::size_t>(options.most_dead_share * static_cast<double>(layout.size())) + 1);
 }
 
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
@@ -173,7 +173,8 @@ bool PatchFinder::interpolate_dead_taxels() noexcept {
     if (dead.neighbours >= options_.dead_min_neighbours && dead_.size() < dead_.capacity())
       dead_.push_back(dead);
   });
-  if (dead_.empty() || static_cast<double>(dead_taxels) > kBadShare * static_cast<double>(patch_.count))
+  if (dead_.empty() ||
+      static_cast<double>(dead_taxels) > options_.most_dead_share * static_cast<double>(patch_.count))
     return false;  // it is the contact that is hollow
   copy_channels();
   float* const copy = channels_.data();

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contact/hertz.hpp"
+#include "core/numeric/iteration.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
 
-// The outermost spring's place over the contact's radius when springs are set; ratio, 1.05 … 3. Too small:
-// springs are set anew at each growth, and each time interpolates. Too large: few springs touch. Checked with
-// `slipd-lab histories --grasps 400`.
-constexpr double kSpare = 1.2;
-// How near a bed comes to the load that it is asked to carry, of the most that it can; 1e-6 … 1e-3. Too
-// small: single precision never reaches it. Too large: beds drift from the load.
-constexpr float kNear = 1e-5F;
 constexpr auto kSprings = WinklerKernels::kSprings;
 
 constexpr float place(std::size_t i) noexcept {
@@ -53,7 +48,8 @@ void WinklerFoundations::clear() noexcept {
 // Sets the springs wider when the contact has outgrown them.
 void WinklerFoundations::reach(double radius) noexcept {
   if (radius <= step_ * static_cast<double>(kSprings)) return;
-  const double step = kSpare * radius / static_cast<double>(kSprings), ratio = step_ > 0 ? step / step_ : 0;
+  const double step = contact::kSpare * radius / static_cast<double>(kSprings),
+               ratio = step_ > 0 ? step / step_ : 0;
   step_ = step;
   pressed_ = pressed_by(pressed_.radius);
   // Each is taken from further out: none is read after it is set.
@@ -92,7 +88,7 @@ void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double radius
   for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(carried_n_[j] * per_newton);
   const auto far = static_cast<float>(square(pressed_.radius) + square(radius_before));
   kernels_->settle(loads_[0].data(), pressed_.rest.data(), pressed_.touching,
-                   {goal.data(), kNear * pressed_.sum, far}, which.data(), vectors_);
+                   {goal.data(), static_cast<float>(kSettled) * pressed_.sum, far}, which.data(), vectors_);
 }
 
 void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {

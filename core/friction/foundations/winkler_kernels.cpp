@@ -3,6 +3,7 @@
 // exist once for all files, perhaps for the wrong processor.
 #include "core/friction/foundations/winkler_kernels.hpp"
 
+#include "core/numeric/iteration.hpp"
 #include "core/simd/lanes.ipp"
 
 namespace slipd {
@@ -11,9 +12,6 @@ namespace {
 constexpr auto kSprings = WinklerKernels::kSprings, kBeds = WinklerKernels::kBeds;
 constexpr auto kStep = WinklerKernels::kLanes;  // of the rows
 static_assert(kStep % kLanes == 0);
-// Bounds the time of a shift. Too small: beds near gross slip carry less than their goal. Too large: no
-// effect seen, as steps end at the tolerance. Checked by tests/core/friction/winkler_foundations_test.cpp.
-constexpr int kMaxSteps = 12;
 static_assert(kSprings % 2 == 0);
 
 SLIPD_INLINE Floats lesser(const Floats& a, const Floats& b) noexcept {
@@ -79,7 +77,7 @@ SLIPD_INLINE Carried after_shift(const float* loads, const float* rest, std::siz
 SLIPD_INLINE Floats shift_of(const float* loads, const float* rest, std::size_t touching,
                              const Floats& carried, float near, float far, Ints open) noexcept {
   Floats low = Floats{} - far, high = Floats{} + far, shift{};
-  for (int n = 0; n < kMaxSteps; ++n) {
+  for (int n = 0; n < kMostSteps; ++n) {
     const Carried now = after_shift(loads, rest, touching, shift);
     const Floats off = now.sum - carried;
     open &= ~((off < near) & (off > -near));

@@ -40,9 +40,6 @@ class Fit : public SlipMethod {
   // converge or if the residual is more than noise and the skin's unevenness explain.
   Reading estimate(const Frame& frame, const ContactPatch& patch) noexcept final;
 
-  // Bounds the time of a frame. Too small: frames near no load do not converge. Too large: the longest frame
-  // takes longer.
-  static constexpr int kMostSteps = 15;
   int steps() const noexcept { return frame_.steps; }  // that the last frame took
 
  protected:

@@ -11,6 +11,7 @@
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
+#include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"

@@ -83,9 +83,6 @@ class SubsurfaceFit {
   // used. in_model as that of Fit.
   Reading estimate(const ContactPatch& patch, const MomentRatio& start) noexcept;
 
-  // As those of Fit.
-  static constexpr int kMostSteps = 15;
-
   // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals:
   // of fits of one frame at several depths, the likeliest depth has the least. The fits must use the same
   // taxels: reach_depths times the depth must be alike. NaN for a frame that was not fitted.

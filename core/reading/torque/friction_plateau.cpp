@@ -6,6 +6,7 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/simd/instruction_sets.hpp"
 
@@ -76,14 +77,14 @@ PlateauTest FrictionPlateau::test_about(double ratio) const noexcept {
 // The mean of the taxels within plateau_sigmas of a ratio, moved there until it stands.
 FrictionPlateau::Plateau FrictionPlateau::find_plateau() const noexcept {
   double ratio = start(), last = ratio;
-  for (int step = 0; step < options_.most_steps; ++step) {
+  for (int step = 0; step < kMostSteps; ++step) {
     last = ratio;
     const PlateauSums sums =
         kernels_.near(pressure_pa_.data(), ratio_.data(), frame_.stored, test_about(last));
     if (sums.taxels < kFewInside) return {};
     ratio = last + sums.off / sums.weight;
     if (!(ratio > 0)) return {};
-    if (std::fabs(ratio - last) < options_.settled_share * last) break;
+    if (std::fabs(ratio - last) < kSettled * last) break;
   }
   const PlateauSums sums =
       kernels_.plateau(pressure_pa_.data(), ratio_.data(), frame_.stored, test_about(last));

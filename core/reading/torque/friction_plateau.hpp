@@ -35,10 +35,6 @@ struct FrictionPlateauOptions {
   // Floor of a ratio's standard deviation, relative: gains of taxels; 0.002 … 0.05. Too small: gains scatter
   // taxels out of the plateau. Too large: as above.
   double gain_share = 0.01;
-  // The plateau is found when a step moves it by less than this, relative, at most so many steps; 1e-6 …
-  // 1e-3, 5 … 50.
-  double settled_share = 1e-4;
-  int most_steps = 20;
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;

@@ -7,7 +7,6 @@ namespace slipd::contact {
 namespace {
 
 // the outermost spring, as a multiple of the contact radius, when the springs are placed
-constexpr double kSpare = 1.2;
 constexpr int kMostSteps = 12;
 
 constexpr float place(std::size_t i) noexcept {

@@ -11,6 +11,8 @@
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
+#include "core/numeric/iteration.hpp"
+
 namespace slipd {
 namespace {
 
@@ -235,7 +237,7 @@ void expect_no_allocation(Fit& fit, FrameMaker& maker, double step_n, int most_s
 TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
   FrameMaker maker(TaxelLayout::grid(32, 32, 0.0005));
   TaxelFit fit(maker.layout(), kPossibleFriction);
-  expect_no_allocation(fit, maker, 0.05, Fit::kMostSteps);
+  expect_no_allocation(fit, maker, 0.05, kMostSteps);
 }
 
 // The bounds are 1.5 times the Gaussian Cramér–Rao bound of all taxels, in brackets, and what so few contacts
@@ -352,7 +354,7 @@ TEST(BlockFit, IsTheFitOfSingleTaxelsWhereTheyAreInNoGridOrFew) {
 TEST(BlockFit, AllocatesNothing) {
   FrameMaker maker(TaxelLayout::grid(80, 80, 0.0002));
   BlockFit fit(maker.layout(), kPossibleFriction);
-  expect_no_allocation(fit, maker, 0.1, 2 * Fit::kMostSteps);
+  expect_no_allocation(fit, maker, 0.1, 2 * kMostSteps);
 }
 
 }  // namespace
