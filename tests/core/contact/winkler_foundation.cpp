@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/hertz.hpp"
+
 namespace slipd::contact {
 namespace {
 
-// the outermost spring, as a multiple of the contact radius, when the springs are placed
 constexpr int kMostSteps = 12;
 
 constexpr float place(std::size_t i) noexcept {
