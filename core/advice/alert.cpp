@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -136,7 +137,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   if (free <= 0 || spread <= 0) return std::nullopt;
   const double slope = (tg_ - t_ * g_ / weight_) / spread;
   const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / free;
-  const double least = std::max(sigma, kLeastMarginSigma);
+  const double least = std::max(sigma, kExactShare);
   const double slope_sigma =
       std::sqrt(std::max(scatter, options_.independent_share * least * least) / spread);
   if (!(slope < -kClearSigmas * slope_sigma)) return std::nullopt;

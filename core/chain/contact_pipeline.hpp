@@ -10,6 +10,7 @@
 #include "core/chain/setup/setup.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/frame/frame.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/load/equivalent_pull.hpp"
 #include "core/margin/margin_decision.hpp"
 #include "core/patch/patch.hpp"
@@ -25,7 +26,7 @@ class ContactPipeline {
   // What reads single frames; friction where nothing does. Any thread.
   virtual Method method() const noexcept = 0;
   // What no margin of this sensor is surer than: standard deviation, Gamma.
-  virtual double least_sigma() const noexcept { return kLeastMarginSigma; }
+  virtual double least_sigma() const noexcept { return kExactShare; }
   // Why there is never a margin; none: there may be.
   virtual std::optional<State> refused() const noexcept { return std::nullopt; }
 

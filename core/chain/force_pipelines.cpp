@@ -7,12 +7,6 @@
 namespace slipd {
 namespace {
 
-// Taxels that carry more than this of P against each other, share, 0.05 … 0.5, take the margin away: the
-// object is turned, hooked, or pulled at in several places, and the margin of the sum is too safe. Quiet
-// grasps of real pillars reach 0.066; a round contact that slipped and was unloaded has 0.45 mu of P locked
-// in (docs/theory.md §4.1). Too small: margins come and go. Too large: such a grip is called safe.
-constexpr double kMaxInternalShare = 0.25;
-
 // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. A torque that
 // is no larger than on real pads is left to gamma_low; with a larger one there is no margin. Of what the
 // contact carries, 0.1 … 0.5; quiet grasps of real pillars reach 0.27. Too small: such grasps lose their

@@ -13,11 +13,6 @@
 
 namespace slipd {
 
-// Floor of every margin's sigma; Gamma, 1e-6 … 0.01: what the contact model itself leaves on a perfect sensor
-// (the mean error of `fit` on 100 x 100 taxels with 1 % of relative noise is 0.0002). Too small: a margin of
-// a frame without noise is given as exact. Too large: sharp frames are wasted.
-inline constexpr double kLeastMarginSigma = 5e-4;
-
 // Fail safe: gamma is a number only in state ok. The order is that of the CAN signal `State`.
 enum class State : std::uint8_t { ok, no_contact, learning, out_of_model, no_shear, unzeroed, stale, fault };
 enum class Alert : std::uint8_t {

@@ -37,4 +37,9 @@ inline constexpr double kBadShare = 0.1;
 // are believed.
 inline constexpr double kResolvedSides = 1.5;
 
+// Taxels that stand for all of a large sensor, evenly chosen, where a sum over all would only cost time; 32 …
+// 10000. Too small: rows are judged by few values, and fits start far from where they end. More cost time in
+// proportion.
+inline constexpr std::size_t kSampled = 192;
+
 }  // namespace slipd

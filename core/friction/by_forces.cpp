@@ -34,7 +34,7 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   forget_lighter(patch);
   watch_hook();
   const bool self_stressed =
-      grasp_.exceeds_friction || frame.previous.field.internal_share > options_.max_internal_share;
+      grasp_.exceeds_friction || frame.previous.field.internal_share > kMaxInternalShare;
   if (!self_stressed) bound_by_held();
   if (frame.reading != nullptr && patch.shear_n > kStrongSigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/friction/foundations/monotonic_contact.hpp"
 #include "core/numeric/norm.hpp"
@@ -47,7 +48,7 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   verify(frame, clear);
   if (clear && (turning ? weigh_torque(*reading) : weigh_frame(frame))) grasp_.unverified_frames = 0;
   // Nothing that sticks again shows friction, but it may show that friction is not as it was learnt.
-  const double most = (1 + kClearSigmas * options_.posterior.grid.sigma_floor) * likeliest();
+  const double most = (1 + kClearSigmas * kUnevenShare) * likeliest();
   if (clear && turning && reading->load_fallen && reading->friction < most) grasp_.unverified_frames = 0;
   // A friction that has just become so has the contact that the likeliest one made, as far as it holds that.
   const std::size_t before = grid().likeliest();

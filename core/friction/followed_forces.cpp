@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
+#include "core/load/load_path.hpp"
 
 namespace slipd {
 namespace {
@@ -52,11 +54,10 @@ void FollowedForces::follow(const ContactPatch& patch) noexcept {
 }
 
 bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {
-  if (frames_ >= options_.onset_frames) return false;
+  if (frames_ >= kSureFrames) return false;
   if (frames_++ == 0) first_normal_n_ = patch.normal_n;
   const bool loaded = patch.shear_n > kStrongSigmas * patch.shear_sigma_n;
-  return frames_ == options_.onset_frames && loaded &&
-         patch.normal_n < options_.onset_growth * first_normal_n_;
+  return frames_ == kSureFrames && loaded && kFallen * patch.normal_n < first_normal_n_;
 }
 
 }  // namespace slipd

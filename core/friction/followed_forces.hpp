@@ -24,12 +24,6 @@ struct FollowedForcesOptions {
   // The axis is taken anew from shear this much larger than the one it was taken from; ratio, 1 … 3. Too
   // small: the axis turns with noise each frame. Too large: an early, noisy axis stays.
   double reaim_ratio = 1.5;
-  // Frames over which a grasp that begins has to grow; frames, 2 … 50. Too small: noise decides. Too large: a
-  // slow grip is taken for one that was loaded before.
-  int onset_frames = 5;
-  // Growth of the normal force over them; ratio, 1 … 3. Too small: a grasp loaded before passes for one that
-  // begins. Too large: a slow grip does not.
-  double onset_growth = 1.2;
 };
 
 // The line that shear is signed along.
@@ -76,7 +70,7 @@ class FollowedForces {
   FollowedForcesOptions options_;
   ShearAxis axis_;
   double normal_n_ = 0, shear_n_ = 0;
-  int frames_ = 0;  // of this grasp, up to onset_frames
+  std::uint32_t frames_ = 0;  // of this grasp, up to kSureFrames
   double first_normal_n_ = 0;
 };
 

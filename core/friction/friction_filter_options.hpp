@@ -75,10 +75,6 @@ struct FrictionFilterOptions {
   // kGrown; share, 0 … 1. Too small: a regrip forgets friction. Too large: the first touch bounds it for
   // long.
   double kept_when_grown = 0.25;
-  // Taxels that carry more than this of P against each other say nothing of friction
-  // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:
-  // slides of a real skin say nothing. Too large: a hooked or turned contact is taken for friction.
-  double max_internal_share = 0.1;
   // |Q|/P of a force-only sensor clearly above this times the greatest expected friction is no friction:
   // something hooks; 1.2 … 5. What it showed is forgotten, and nothing is
   // learnt until the load is below the least friction. Too small: an object of more friction than was

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/frame/model_errors.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -75,17 +76,17 @@ FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
 
 MeanSigma FrictionGrid::friction() const noexcept {
   const Quantiles& mu = quantiles_;
-  return {mu.middle, norm(0.5 * (mu.high - mu.low), options_.sigma_floor * mu.middle)};
+  return {mu.middle, norm(0.5 * (mu.high - mu.low), kUnevenShare * mu.middle)};
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {
   const Quantiles& mu = quantiles_;
-  return {1 / mu.middle, norm(0.5 * (1 / mu.low - 1 / mu.high), options_.sigma_floor / mu.middle)};
+  return {1 / mu.middle, norm(0.5 * (1 / mu.low - 1 / mu.high), kUnevenShare / mu.middle)};
 }
 
 // Sigma counts all that friction may be.
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
-  load_sigma = norm(load_sigma, options_.load_floor);
+  load_sigma = norm(load_sigma, kExactShare);
   const double middle = quantiles_.middle;
   const double margin = std::clamp(1 - load / middle, 0.0, 1.0);
   double variance = 0;
@@ -94,7 +95,7 @@ MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
     const double by = std::min(1.0, std::max(0.0, 1 - load * inverse_[j])) - margin;
     variance += weight_[j] * by * by;
   }
-  const double floor = norm(options_.sigma_floor, std::sqrt(variance_of_step(step_)));
+  const double floor = norm(kUnevenShare, std::sqrt(variance_of_step(step_)));
   return {margin, std::sqrt(variance + std::pow(floor * (1 - margin), 2) + std::pow(load_sigma / middle, 2))};
 }
 

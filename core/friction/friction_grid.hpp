@@ -17,13 +17,6 @@ struct FrictionGridOptions {
   // the step grows, and with it what no frame can distinguish.
   double min_friction = 0.04;
   double max_friction = 2.2;
-  // Floor of friction's sigma, relative, 0 … 0.1: contacts are not as even as their model. Too small: sigma
-  // is less than the error. Too large: sharp frames are wasted.
-  double sigma_floor = 0.02;
-  // Floor of the sigma of |Q|/P, 1e-6 … 0.01: what gains and rounding of the taxels leave of the forces'
-  // ratio, also of a sensor that shows no noise. Too small: a margin without shear is given as exact. Too
-  // large: sigma is more than the error on good sensors.
-  double load_floor = 5e-4;
 };
 
 class FrictionGrid {

@@ -1,5 +1,7 @@
 #include "core/friction/history_state.hpp"
 
+#include "core/health/usual.hpp"
+
 namespace slipd {
 
 HistoryState next_state(HistoryState state, HistoryEvent event) noexcept {
@@ -44,7 +46,7 @@ void HistoryMonitor::classify(bool monotonic) noexcept {
 }
 
 bool HistoryMonitor::outlier() noexcept {
-  if (++outliers_ < options_.outlier_frames) return false;
+  if (++outliers_ < kSureFrames) return false;
   outliers_ = 0;
   return true;
 }

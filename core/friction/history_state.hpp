@@ -46,10 +46,6 @@ constexpr bool is_monotonic(HistoryState state) noexcept {
 
 // Checked with `slipd-lab histories --grasps 400`.
 struct HistoryOptions {
-  // Outlier frames in a row that end the belief in the history; frames, 1 … 50. Too small: a burst of noise
-  // ends it, and no margin is given for confirming_frames. Too large: margins from a history that is wrong
-  // are given for longer.
-  int outlier_frames = 8;
   // Frames that an assumed monotonic load must explain before its margins are given, and frames with a clear
   // shear in a row that may lack evidence of friction before older estimates are no longer trusted; frames, 1
   // … 200. Too small: a grasp met after an unloading passes for a monotonic one, and margins have gaps. Too
@@ -81,8 +77,8 @@ class HistoryMonitor {
  private:
   const HistoryOptions options_;
   HistoryState state_ = HistoryState::monotonic;
-  int outliers_ = 0;    // frames in a row
-  int confirming_ = 0;  // frames since the history was lost
+  std::uint32_t outliers_ = 0;  // frames in a row
+  int confirming_ = 0;          // frames since the history was lost
 };
 
 }  // namespace slipd

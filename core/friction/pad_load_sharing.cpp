@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
@@ -50,16 +51,14 @@ const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPat
   profile_.known = false;
   const double normal_n = read_normal(frame);
   if (!(normal_n > 0)) return profile_;
-  if (state_.field.frames == 0 || normal_n > (1 + options_.normal_change) * state_.least_normal_n)
-    state_ = {};
+  if (state_.field.frames == 0 || normal_n > (1 + kChanged) * state_.least_normal_n) state_ = {};
   state_.least_normal_n = state_.field.frames == 0 ? normal_n : std::min(state_.least_normal_n, normal_n);
 
   const double noise_n = area_m2_ * patch.noise_shear_pa;
   const double sigma_n = noise_n * std::sqrt(static_cast<double>(taxels_));
   const Pull pull = read_pull(frame, noise_n);
   const double share = pull.size_n / normal_n;
-  if (!state_.pulled &&
-      (state_.field.frames == 0 || pull.size_n < options_.pulled * normal_n + 3 * sigma_n)) {
+  if (!state_.pulled && (state_.field.frames == 0 || pull.size_n < kPulled * normal_n + 3 * sigma_n)) {
     learn_field(frame, normal_n);
     return profile_;
   }
@@ -104,7 +103,7 @@ PadLoadSharing::Pull PadLoadSharing::read_pull(const Frame& frame, double noise_
 
 void PadLoadSharing::learn_field(const Frame& frame, double normal_n) noexcept {
   Field& field = state_.field;
-  if (normal_n < (1 - options_.normal_change) * field.normal_n) field = {};
+  if (normal_n < (1 - kChanged) * field.normal_n) field = {};
   if (field.frames == 0) field.normal_n = normal_n;
   ++field.frames;
   for (std::size_t i = 0; i < taxels_; ++i) {
@@ -151,7 +150,7 @@ double PadLoadSharing::way_between(const Limits& limits, double used, double use
 // The pattern of the beginning is weighed by its noise against an even one.
 PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) const noexcept {
   const auto n = static_cast<double>(taxels_);
-  const double prior = square(options_.stiffness_sigma);
+  const double prior = square(options_.way_sigma);
   const double noise = square(n * noise_n * state_.begun_frames / state_.begun_n),
                noise_now = square(n * noise_n / pull.size_n);
   PerTaxel usual;
@@ -177,7 +176,7 @@ PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) con
 // Of taxels that stand alone each one's shear.
 void PadLoadSharing::compare_pattern(const Loads& loads, const Pull& pull, Misfits& alone) const noexcept {
   const auto n = static_cast<double>(taxels_);
-  const double variance = square(loads.noise_n / pull.size_n) + square(options_.uneven_mean / n);
+  const double variance = square(loads.noise_n / pull.size_n) + square(options_.uneven / n);
   PerTaxel sorted = pressed_;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(taxels_));
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {

@@ -24,13 +24,6 @@ namespace slipd {
 
 // Checked with `slipd-lab alerts`. P: the normal force, Q: the shear force; shares have no unit.
 struct PadLoadSharingOptions {
-  // P that rises by this share above its least begins anew, and one that falls by it while nothing pulls has
-  // the field of the hold taken anew; 0.02 … 0.2. Too small: shaking. Too large: shear of pressing passes for
-  // a pull.
-  double normal_change = 0.05;
-  // Pull over P from which on something pulls; 0.01 … 0.1. Too small: noise. Too large: a slow pull passes
-  // for the field of the hold.
-  double pulled = 0.03;
   // Pull over P from which on it is read; 0.05 … 0.3. Too small: uneven rubber passes for slip. Too large:
   // slips on slippery objects come unseen.
   double least_pull = 0.2;
@@ -38,9 +31,7 @@ struct PadLoadSharingOptions {
   // its mean, the other below), and of what a layer passes on along a pull and across it; 0.05 … 0.5. Too
   // small: uneven rubber passes for slip, and a pad that is pressed evenly slips unseen. Too large: nothing
   // is learnt, and pads seem to slip early.
-  double uneven = 0.15;
-  // The same of what a taxel carries, of the mean of all; 0.05 … 0.5. As above.
-  double uneven_mean = 0.1;
+  double uneven = 0.12;
   // Mean squared misfit of a taxel from which on taxels are likelier to lie under a layer than to stand
   // alone; 0.5 … 3. Too small: a pillar that is unlike its neighbours passes for a layer. Too large: the
   // other way.
@@ -60,9 +51,6 @@ struct PadLoadSharingOptions {
   // small: false alerts. Too large: slip of evenly pressed pads is not seen.
   double still_way = 0.01;
   double still_way_share = 0.05;
-  // Standard deviation, over taxels, of what they carry of a pull that begins; of the mean; 0.1 … 0.5. Too
-  // small: rubber of uneven stiffness passes for slip. Too large: noise of the beginning does.
-  double stiffness_sigma = 0.3;
 };
 
 // Not thread-safe. Belongs to the estimate thread; fixed memory, nothing allocates.

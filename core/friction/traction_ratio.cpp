@@ -5,9 +5,11 @@
 #include <numbers>
 
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/numeric/running_mean.hpp"
+#include "core/reading/method/friction_prior.hpp"
 
 namespace slipd {
 namespace {
@@ -52,7 +54,7 @@ MeanSigma TractionRatioFilter::extend_line(double residual, double sigma) noexce
       line.residual = 0;
     }
   }
-  line.frames = std::min(line.frames + 1, options_.max_line_frames);
+  line.frames = std::min(line.frames + 1, learning_frames());
   const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
   line.slope += slope_gain * residual;
   const double lag = std::max(0.0, std::fabs(line.residual) - sigma_of_mean(kQuickGain));
@@ -91,7 +93,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
       (1 + options_.plateau) * state_.at_last_grip_rise.normal_n + kClearSigmas * frame_.normal_sigma_n)
     state_.at_last_grip_rise = {ratio, state_.normal_n};
   const std::optional<Slide> even = read_plateau();
-  if (sliding.field.known && sliding.field.coherence < options_.min_coherence) return std::nullopt;
+  if (sliding.field.known && sliding.field.coherence < kWhole) return std::nullopt;
   if (sliding.sliding == Sliding::rotation) return std::nullopt;
   if (sliding.field.known && sliding.sliding == Sliding::translation) return read_moving(sliding);
   state_.moving.reset();
@@ -107,7 +109,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
     if (state_.mean > 0) state_.moving = state_.shear;
     return std::nullopt;
   }
-  return Slide{state_.mean, options_.slide_sigma};
+  return Slide{state_.mean, kKnownFrictionSpread};
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
@@ -127,7 +129,7 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
   if (ratio < kFallen * state_.highest) return std::nullopt;
   // A grip that overshoots and relaxes keeps the load that it had at its greatest P.
   if (kFallen * ratio < state_.at_last_grip_rise.ratio + kAlikeSigmas * sigma) return std::nullopt;
-  return Slide{ratio, options_.slide_sigma};
+  return Slide{ratio, kKnownFrictionSpread};
 }
 
 }  // namespace slipd

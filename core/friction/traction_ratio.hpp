@@ -14,12 +14,9 @@ namespace slipd {
 // Sigmas are standard deviations of one frame's |Q|/P, or of what is named. Checked with `slipd-lab tradeoff
 // --layouts 4,wrench`, rows over time.
 struct TractionRatioOptions {
-  // The most frames of the line; frames, 8 … 200. Too small: noise stays in. Too large: a turn of the load is
-  // followed late.
-  int max_line_frames = 30;
-  // Frames that the line keeps when the load has turned; frames, 2 … max_line_frames. Too small: the slope
+  // Frames that the line keeps when the load has turned; frames, 2 … learning_frames(). Too small: the slope
   // after it is noise. Too large: frames before the turn bend it.
-  int frames_after_turn = 6;
+  std::uint32_t frames_after_turn = 6;
   // Residual of one frame at which the line begins anew with it; sigmas, 3 … 10. Too small: noise cuts the
   // line. Too large: a jump is followed late.
   double jump_sigmas = 4;
@@ -30,14 +27,6 @@ struct TractionRatioOptions {
   // P has to fall by this much for a plateau to be gross slip; relative, 0.01 … 0.5. Too small: a slow drift
   // passes for a slide. Too large: short slides are missed.
   double plateau_fall = 0.06;
-  // An object slides as a whole if its field is more coherent than this (FieldCourse::coherence); 0.7 … 0.95.
-  // Slides of real pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: they pass
-  // for slides. Too large: slides under skin are missed.
-  double min_coherence = 0.85;
-  // Standard deviation of the friction that a slide shows; of log mu, 0.01 … 0.2. |Q|/P of real slides
-  // scatters by 0.04 to 0.07. Too small: the slide's noise is taken for friction. Too large: a slide says
-  // little.
-  double slide_sigma = 0.055;
   // Floor of the sigma of what friction holds, relative to |Q|/P; 0 … 0.05. Too small: a frame without noise
   // refutes a friction that is a little less. Too large: gross slip bounds friction loosely.
   double held_floor_mean = 0.005;
@@ -81,8 +70,8 @@ class TractionRatioFilter {
  private:
   // Straight line through the last frames, and the running mean of residuals that says when it has turned.
   struct Line {
-    double slope = 0;  // per frame
-    int frames = 0;    // that level and slope come from
+    double slope = 0;          // per frame
+    std::uint32_t frames = 0;  // that level and slope come from
     double residual = 0;
   };
   // The resultant, N.

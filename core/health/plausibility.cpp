@@ -6,6 +6,7 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -25,7 +26,7 @@ constexpr std::size_t kManyTaxels = 9;
 constexpr std::size_t kLinesLearnt = 8;
 
 // The normal force of a contact does not fall by this factor in one frame and stay.
-const double kFallen = kWrongScale * kWrongScale;
+const double kVanished = kWrongScale * kWrongScale;
 
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
@@ -38,7 +39,7 @@ PlausibilityMonitor::PlausibilityMonitor(const TaxelLayout& layout, const Plausi
       limits_(limits),
       options_(options),
       spikes_(layout, limits, options.spikes),
-      probes_(layout, options.probes),
+      probes_(layout, kSampled),
       lines_(probes_.lines()) {}
 
 void PlausibilityMonitor::blame(Verdict verdict, Health health) noexcept {
@@ -120,9 +121,9 @@ bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
   const double peak_pa = last_peak_pa_;
   if (limits_.flat) {
     const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
-    const bool steady = change_.known() && change_.mean < options_.steady_share;
+    const bool steady = change_.known() && change_.mean < kChanged;
     return steady && rise_pa > kBeyondUsual * peak_pa &&
-           std::fabs(peak_rise_pa - rise_pa) < options_.steady_share * rise_pa;
+           std::fabs(peak_rise_pa - rise_pa) < kChanged * rise_pa;
   }
   const bool small_before = std::fabs(static_cast<double>(last_least_pa_)) < kUnloading * peak_pa;
   return small_before && rise_pa > options_.least_rise_share * peak_pa;
@@ -142,12 +143,12 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
     return;
   }
   if (fallen_from_n_ > 0) {
-    if (patch.normal_n * kFallen > fallen_from_n_) {
+    if (patch.normal_n * kVanished > fallen_from_n_) {
       fallen_from_n_ = 0;
     } else {
       blame(Verdict::frame_refused, Health::wrong_scale);
     }
-  } else if (patch.normal_n * kFallen < last_normal_n_) {
+  } else if (patch.normal_n * kVanished < last_normal_n_) {
     fallen_from_n_ = last_normal_n_;
   }
   const bool clear = patch.normal_n > kStrongSigmas * patch.normal_sigma_n;

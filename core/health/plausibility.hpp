@@ -54,20 +54,12 @@ struct PlausibilityOptions {
   SpikeOptions spikes;
   ContinuityOptions continuity;
 
-  // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
-  // judged by few values. More cost time in proportion.
-  std::size_t probes = 192;
   // The contact's centre does not move by more than the contact's radius and this in one frame; sides, 1
   // … 10. Too small: rolling contacts at low rates jump. Too large: another sensor's frames are believed.
   double jump_sides = 3;
   // The least pressure of all taxels does not rise in one frame by this share of the greatest; 0.2 … 1. Too
   // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
   double least_rise_share = 0.5;
-  // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
-  // alike, to this share, by more than kBeyondUsual times the greatest one, in a hold whose normal force
-  // changed by less than this share a frame; 0.02 … 0.2. Too small: an offset is believed. Too large: quick
-  // grips have no margin.
-  double steady_share = 0.05;
 };
 
 class PlausibilityMonitor {

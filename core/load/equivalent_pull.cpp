@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/few_taxels.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -12,7 +13,7 @@ namespace slipd {
 bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
   if (!(patch.radius_m > 0)) return false;
   const double torque_nm = std::fabs(patch.torque_nm), side = coarse(patch);
-  const double least_share = options_.least_share + options_.coarse_share * side * side;
+  const double least_share = kUnevenShare + kCoarseTorque * side * side;
   const double sigmas = outweighs(patch) ? options_.outweighing_sigmas : kClearSigmas;
   return torque_nm > sigmas * patch.torque_sigma_nm &&
          torque_nm > least_share * patch.shear_n * patch.radius_m;

@@ -13,7 +13,13 @@
 
 namespace slipd {
 
-// T: torque, Q: shear force, a: contact radius. Checked with
+// What square taxels make of the torque, of Q a, and of the ratio of its moments, over (side/a)^2; 0 … 0.3.
+// Too small: pure pulls get torques, and sigma is less than the error on coarse arrays. Too large: small
+// torques are left out of margins, and coarse arrays are refused.
+inline constexpr double kCoarseTorque = 0.1;
+
+// T: torque, Q: shear force, a: contact radius. A torque below kUnevenShare and kCoarseTorque of Q a is none:
+// it changes the margin by less than 2.5 of its squares (§6.6). Checked with
 // tests/core/load/equivalent_pull_test.cpp.
 struct EquivalentPullOptions {
   // Standard deviations above which a torque of more than outweighing_share of Q a is one on few taxels,
@@ -22,12 +28,6 @@ struct EquivalentPullOptions {
   // of margins.
   double outweighing_sigmas = 1.5;
   double outweighing_share = 0.4;
-  // And above this share of Q a; 0.001 … 0.05. Below, it changes the margin by less than 2.5 of its squares
-  // (§6.6), and square taxels may be all of it. Too small: pure pulls get torques. Too large: as above.
-  double least_share = 0.02;
-  // What coarse taxels add to that share, over (side/a)^2; 0 … 0.3. Too small and too large: as above, on few
-  // taxels.
-  double coarse_share = 0.1;
   // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it, once the
   // torque has stood out of noise; 0.02 … 0.3. Too small: frames that still are as under a pull go to the
   // method for torque. Too large: margins and friction of pulls are given for fields that torque has changed.

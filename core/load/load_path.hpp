@@ -25,6 +25,21 @@ inline constexpr double kFallen = 0.9;
 // history along the old axis is believed in vain, and a load that turns is a slide.
 inline constexpr double kTurned = 0.3;
 
+// Pull over P from which on something pulls, unless noise explains more; 0.01 … 0.1. Too small: noise pulls,
+// and a sensor that reads shear under a normal load never shows pressing alone. Too large: a slow pull passes
+// for pressing.
+inline constexpr double kPulled = 0.03;
+
+// A load has changed when it moved by this share of P; 0.01 … 0.2. Too small: noise, shaking and relaxation
+// change it. Too large: closing counts as a hold, and shear of pressing passes for a pull, or hides a slide
+// at a low friction.
+inline constexpr double kChanged = 0.05;
+
+// Part of a field that slips, or moves alike, from which on all of it does; 0.7 … 0.95. Slides of real
+// pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: parts that stick again, and
+// grips that relax, pass for slides. Too large: slides under a torque or a skin are missed.
+inline constexpr double kWhole = 0.85;
+
 // Of a frame, as its taxels measure them.
 struct ContactForces {
   double normal_n = 0;                  // P, N

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/estimate/estimate.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/numeric/posterior_sums.hpp"
 
 namespace slipd {
@@ -18,7 +19,7 @@ class MarginDecision {
   // Of one frame. sigma_max: Gamma, > 0; a margin that is less sure means nothing: state learning.
   // least_sigma: Gamma, >= 0, what no frame of this sensor is surer than. `refused`: of sensors that never
   // have a margin, why.
-  explicit MarginDecision(double sigma_max, double least_sigma = kLeastMarginSigma,
+  explicit MarginDecision(double sigma_max, double least_sigma = kExactShare,
                           std::optional<State> refused = std::nullopt) noexcept
       : sigma_max_(sigma_max), least_sigma_(least_sigma), refused_(refused) {}
 

@@ -21,7 +21,7 @@ constexpr Range kUnbounded{0, std::numeric_limits<double>::infinity()};
 
 FrictionPrior prior_of(const FrictionKnowledge& friction, const FrictionPriorOptions& options) {
   return {.expected = friction.range(),
-          .spread = friction.given ? options.given_spread : options.scene_spread};
+          .spread = friction.given ? kKnownFrictionSpread : options.scene_spread};
 }
 
 // The range bounds what is learnt: a grip that relaxes looks like sliding at a friction that no object of the
@@ -48,14 +48,14 @@ std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
                                          const MarginOverTimeOptions& options) {
   return std::make_unique<FrictionByShape>(
       prior_of(friction, options.prior),
-      bounded(options.filter, shaped_bounds(friction), options.prior.given_spread));
+      bounded(options.filter, shaped_bounds(friction), kKnownFrictionSpread));
 }
 
 std::unique_ptr<FrictionFilter> by_pillars(const TaxelLayout& layout, const FrictionKnowledge& friction,
                                            const MarginOverTimeOptions& options) {
   return std::make_unique<FrictionByPillars>(
       layout, prior_of(friction, options.prior),
-      bounded(options.filter, shaped_bounds(friction), options.prior.given_spread));
+      bounded(options.filter, shaped_bounds(friction), kKnownFrictionSpread));
 }
 
 // Shear that a torque has changed.
@@ -114,7 +114,7 @@ void MarginOverTime::propose(const MeanSigma& margin, const MarginInput& frame, 
 
 // It has a better value of friction than the frames before under a lighter load, whose taxels nearly slipped.
 MeanSigma MarginOverTime::by_itself(const Reading& reading, Estimate& out) const noexcept {
-  if (reading.friction_sigma < kKnownTurningSigma * reading.friction) {
+  if (reading.friction_sigma < kSettledFriction * reading.friction) {
     out.friction = reading.friction;
     out.friction_sigma = reading.friction_sigma;
   }
@@ -161,7 +161,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
   }
   const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared));
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
-  const double known = has_torque(frame.reading) ? kKnownTurningSigma : options_.known_sigma;
+  const double known = has_torque(frame.reading) ? kSettledFriction : options_.known_sigma;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
   return now;
 }

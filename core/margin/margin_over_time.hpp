@@ -10,6 +10,7 @@
 #include "core/contact/scene.hpp"
 #include "core/estimate/settings.hpp"
 #include "core/frame/layout.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/friction/friction_filter.hpp"
 #include "core/load/unobserved_load_change.hpp"
 #include "core/margin/margin_source.hpp"
@@ -22,7 +23,7 @@ struct MarginOverTimeOptions {
   FrictionFilterOptions filter;
 
   // How far the grid of a force-only sensor reaches beyond the range that was given, or that the scene
-  // expects; of log mu, 0.01 … 0.3. Of others it is FrictionPriorOptions::given_spread. Friction itself is
+  // expects; of log mu, 0.01 … 0.3. Of others it is kKnownFrictionSpread. Friction itself is
   // given within the range. Too small: a friction at the range's end has no room for noise. Too large: the
   // range is no bound.
   double force_only_slack = 0.02;
@@ -38,20 +39,15 @@ struct MarginOverTimeOptions {
   // sigma_max demands it. Too small: a known range is of no use. Too large: margins of objects of any kind
   // are given from next to nothing.
   double narrow_range = 1.5;
-  // Friction is open until its sigma is below this; relative, 0.02 … 0.3. Until then the lower part of its
-  // posterior is given, one sigma down. Too small: margins after a change stay low. Too large: they are too
-  // safe.
-  double settled_sigma = 0.08;
   // Standard deviation of a margin by memory under a torque whose load has fallen, of the range between it
   // and what friction would leave that is just as high as the ratios that taxels carry; 0 … 0.3. Too small:
   // friction that falls between two peaks of the load leaves margins that are given as sure. Too large:
   // cycles lose their margin at each trough.
   double unseen_fall_share = 0.15;
-  // Floor of the sigma of friction over a grasp, relative, in a margin that is computed from it; 0 … 0.1: the
-  // contact that is followed has errors that all frames share. A frame's own sharper margin is not concerned.
-  // Too small: sigma is less than the error after a regrip, an unloading or a hold. Too large: margins of
-  // these are less sharp than they could be. `slipd-lab coverage --grasps 40 --of histories`.
-  double least_friction_sigma = 0.03;
+  // Floor of the sigma of friction over a grasp, relative, in a margin that is computed from it: the contact
+  // that is followed has errors that all frames share. A frame's own sharper margin is not concerned. More of
+  // sensors whose frames have more in common. `slipd-lab coverage --grasps 40 --of histories`.
+  double least_friction_sigma = kModelSigma;
 };
 
 // What is known of friction before a grasp.
@@ -134,7 +130,7 @@ class LearntFrictionMargin : public MarginOverTime {
   MeanSigma minus_one_sigma(const Now& now, const MeanSigma& margin) const noexcept;
   // The filter's margin, or the lower one that a pad shows.
   MeanSigma with_shared(const MeanSigma& load, const MarginProfile* shared) const noexcept;
-  bool has_settled(const Now& now) const noexcept { return now.relative() < options_.settled_sigma; }
+  bool has_settled(const Now& now) const noexcept { return now.relative() < kSettledFriction; }
 
  private:
   const double log_range_;       // of what was known before

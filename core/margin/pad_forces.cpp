@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -40,7 +41,7 @@ PadForces::PadForces(const TaxelLayout& layout, const Skin& skin, const PadForce
     : options_(options),
       layout_(layout),
       depth_m_(skin.depth_m),
-      ratio_sigma_(options.shape_sigma),
+      ratio_sigma_(kUnevenShare),
       parts_(parts_of(layout)) {
   if (const auto poisson = skin.bonded_poisson()) {
     const auto all = contact::layer_images(*poisson);
@@ -51,7 +52,7 @@ PadForces::PadForces(const TaxelLayout& layout, const Skin& skin, const PadForce
   for (std::size_t i = 0; i < layout.size(); ++i)
     read += read_of_pull(read_of(layout.x_m()[i], layout.y_m()[i], 0)) / static_cast<double>(layout.size());
   read = std::clamp(read, options.least_read, 1.0);
-  ratio_sigma_ = norm(options.shape_sigma, (1 - read) / read * skin.depth_sigma);
+  ratio_sigma_ = norm(kUnevenShare, (1 - read) / read * skin.depth_sigma);
 }
 
 // Four points about the middle have the load's second moments.

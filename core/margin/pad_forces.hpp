@@ -22,9 +22,6 @@ struct PadForcesOptions {
   // The part of a pull that a pad has to read for its forces to be known; 0.2 … 0.8. Too small: contacts at
   // the edge get margins from a tail of their shear. Too large: small pads get none.
   double least_read = 0.4;
-  // Standard deviation of Q/P of a pad that reads all of it, relative; 0.01 … 0.1: by the contact's shape and
-  // by where it is. Too small: sigma is less than the error. Too large: it is more.
-  double shape_sigma = 0.02;
 };
 
 class PadForces {

@@ -52,7 +52,7 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
   if (!(s > 0)) return out;
   const double noise = patch.noise_normal_pa / sums.p;
   const double ellipticity = norm(sums.px2y2, 2 * sums.pxy) / (sums.p * s);
-  const double ellipticity_sigma = norm(noise * std::sqrt(0.5 * sums.s2) / s, options.rim_ellipticity * rim);
+  const double ellipticity_sigma = norm(noise * std::sqrt(0.5 * sums.s2) / s, kRimShare * rim);
   if (ellipticity > kClearSigmas * ellipticity_sigma) {
     out.ellipticity = ellipticity;
     out.long_axis_rad = 0.5 * std::atan2(2 * sums.pxy, sums.px2y2);

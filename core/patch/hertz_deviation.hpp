@@ -9,14 +9,19 @@ namespace slipd {
 
 inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle: 7/180
 
+// What square taxels on a round rim make of an ellipticity, and of each part of a moment of the pattern, over
+// (side/a)^3; 0 … 1. On Hertz contacts anywhere on a grid, side/a from 0.1 to 1, the largest part of a moment
+// is 0.6 of this, and 4 times their root mean square. Too small: the grid's own directions pass for the
+// object's. Too large: coarse arrays see no ellipse and give no angle.
+inline constexpr double kRimShare = 0.16;
+
 // All dimensionless. Values and their checks: `slipd-lab stability --parts adversary` on 16 x 16 to 100 x 100
 // taxels, which gives what Gamma is off by over each deviation. side: a taxel's side; a: the contact's
 // radius.
 struct HertzDeviationOptions {
-  // What square taxels on a round rim make of tilt and kurtosis, and of ellipticity, over (side/a)^3; 0 … 2,
-  // 0 … 1. Too small: coarse arrays refuse round contacts. Too large: coarse arrays see no deviation.
+  // What square taxels on a round rim make of tilt and kurtosis, over (side/a)^3; 0 … 2. Too small: coarse
+  // arrays refuse round contacts. Too large: coarse arrays see no deviation.
   double rim = 0.7;
-  double rim_ellipticity = 0.15;
   // What a taxel that senses less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
   // Too small and too large: as above.
   double point_kurtosis = 0.2;

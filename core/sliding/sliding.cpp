@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/health/usual.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -110,8 +112,7 @@ void SlidingDetector::follow_field() noexcept {
   course_.reset();
   if (armed_) course_ = course_since(std::min(compared_, blocks_.size() - 1));
   field_.coherence = coherence();
-  if (change.all > options_.load_change)
-    field_.coherence = std::max(field_.coherence, change.along / change.all);
+  if (change.all > kChanged) field_.coherence = std::max(field_.coherence, change.along / change.all);
   ++field_.block;
 }
 
@@ -264,11 +265,11 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
 }
 
 bool SlidingDetector::settled(double most_fall) const noexcept {
-  const std::size_t agreeing = blocks_.blocks_in(options_.settled_blocks);
+  const std::size_t agreeing = blocks_.blocks_in(kSureFrames);
   if (blocks_.size() <= agreeing) return false;
   for (std::size_t ago = 1; ago <= agreeing; ++ago) {
     const Change change = change_since(ago);
-    if (change.pattern > options_.sticking_pattern || change.log_normal > options_.load_change ||
+    if (change.pattern > options_.sticking_pattern || change.log_normal > kChanged ||
         change.log_normal < -most_fall)
       return false;
   }
@@ -289,7 +290,7 @@ void SlidingDetector::arm() noexcept {
     shear_noise_ = last.shear;
   }
   armed_ = true;
-  compared_ = blocks_.blocks_in(options_.settled_blocks);
+  compared_ = blocks_.blocks_in(kSureFrames);
   held_normal_ = normal_of(0);
   suspicious_ = 0;
   moved_ = moved_before_ = 0;
@@ -297,7 +298,7 @@ void SlidingDetector::arm() noexcept {
 
 std::optional<Sliding> SlidingDetector::judge_loaded() noexcept {
   if (blocks_.size() < 2) return std::nullopt;
-  if (settled_normal_ == 0 && settled(options_.load_change)) take_reference();
+  if (settled_normal_ == 0 && settled(kChanged)) take_reference();
   if (armed_) return judge_armed();
   if (!settled(relaxed_)) return Sliding::disturbed;
   arm();
@@ -314,7 +315,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     return Sliding::disturbed;
   }
   if (slid) {
-    if (!settled(options_.load_change)) return now_;
+    if (!settled(kChanged)) return now_;
     arm();
     return Sliding::none;
   }
@@ -332,7 +333,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     held_normal_ += (normal - held_normal_) / options_.follow_blocks;
   }
   const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > relaxed_ ||
-                         change.shear > std::max(options_.load_change, noise_factor_ * shear_noise_);
+                         change.shear > std::max(kChanged, noise_factor_ * shear_noise_);
   return disturbed ? Sliding::disturbed : Sliding::none;
 }
 

@@ -33,6 +33,12 @@ constexpr bool slides(std::optional<Sliding> sliding) noexcept {
   return sliding && *sliding >= Sliding::translation;
 }
 
+// Taxels that carry more than this of P against each other, share, 0.05 … 0.5, take the margin away and show no
+// friction: the object is turned, hooked, or pulled at in several places, and the margin of the sum is too
+// safe. Quiet grasps of real pillars reach 0.066; a round contact that slipped and was unloaded has 0.45 mu of
+// P locked in (docs/theory.md §4.1). Too small: margins come and go. Too large: such a grip is called safe.
+inline constexpr double kMaxInternalShare = 0.25;
+
 // How the field of shear has gone since the contact settled. Of blocks (core/sliding/taxel_blocks.hpp).
 struct FieldCourse {
   // Whether there is a field: enough cells, a zero, a contact and a block of it. Else nothing below counts.
@@ -73,8 +79,9 @@ struct SlidingVerdict {
   FieldCourse field;
 };
 
-// Checked with `slipd-bench`. "Share" is of P, no unit. TV is half the sum of the cells' changes in p/P: the
-// share of the load that other cells carry now.
+// Checked with `slipd-bench`. A contact has settled when as many blocks agree as last as long as kSureFrames
+// of them: before, an overshoot counts as settled. "Share" is of P, no unit. TV is half the sum of the cells'
+// changes in p/P: the share of the load that other cells carry now.
 struct SlidingOptions {
   // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too
   // large: small arrays show nothing.
@@ -83,17 +90,10 @@ struct SlidingOptions {
   // TaxelBlockOptions::block_s, 2 … TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large:
   // relaxation and drift of the skin add up.
   std::size_t compared_blocks = 8;
-  // A contact has settled when as many blocks agree as last as long as so many of block_s; 2 … 8. Too small:
-  // an overshoot counts as settled. Too large: a slide soon after the grip is missed.
-  std::size_t settled_blocks = 3;
   // TV that a pattern moves by without sliding: rolling, the skin's own give; share, 0.02 … 0.2. Arms that
   // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide, and
   // shaking contacts never settle. Too large: slides are seen late.
   double sticking_pattern = 0.045;
-  // The load changed: sum |d(q/P)|, or a rise of ln P before the contact has settled; 0.01 … 0.2. Too small:
-  // noise and relaxation are a change, and shaking contacts never settle. Too large: closing counts as a
-  // hold, and shear of pressing hides a slide at a low friction.
-  double load_change = 0.05;
   // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
   // late.
   int confirming_blocks = 2;

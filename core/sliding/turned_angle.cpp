@@ -6,8 +6,10 @@
 
 #include "core/frame/pause.hpp"
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/numeric/running_mean.hpp"
+#include "core/patch/hertz_deviation.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {
@@ -23,7 +25,7 @@ std::int64_t duration_ns(double seconds) noexcept {
 // A pattern that has not turned after the contact slid under its torque for as long as a contact takes to
 // settle belongs to the sensor.
 double pinned_s() noexcept {
-  return static_cast<double>(SlidingOptions().settled_blocks) * TaxelBlockOptions().block_s;
+  return kSureFrames * TaxelBlockOptions().block_s;
 }
 
 }  // namespace
@@ -153,7 +155,7 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   if (frames_ < options_.mean_frames) return std::nullopt;
   if (!counting) known_ns_ = time_ns;
   const double coarse = side_m_ / patch.radius_m;
-  auto now = compare(options_.rim_share * coarse * coarse * coarse);
+  auto now = compare(kRimShare * coarse * coarse * coarse);
   if (!now || now->sigma_rad > options_.max_sigma_rad) return std::nullopt;
   // How far the followed pattern lags behind one that turns evenly.
   const double lag = (1 - options_.newest_share()) / options_.newest_share() * (now->angle_rad - angle_rad_);

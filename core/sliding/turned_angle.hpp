@@ -25,11 +25,6 @@ struct TurnedAngleOptions {
   int mean_frames = 5;
   // Share of the newest frame in the running mean.
   double newest_share() const noexcept { return 2.0 / mean_frames; }
-  // Error of each part of a moment by square taxels on a round rim, over (side/a)^3; 0 … 0.5. On Hertz
-  // contacts anywhere on a grid, side/a from 0.1 to 1, the largest is 0.6 of this, and 4 times their root
-  // mean square. Too small: the grid's own directions pass for the object's. Too large: coarse arrays give no
-  // angle.
-  double rim_share = 0.16;
   // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
   // none. Too large: angles are imprecise.
   double max_sigma_rad = 0.1;

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
 #include "core/numeric/iteration.hpp"
@@ -59,7 +60,7 @@ std::size_t Fit::samples_bytes() const noexcept {
 }
 
 void Fit::set_noise(const ContactPatch& patch) noexcept {
-  const double floor_pa = options_.noise_floor * peak_pressure(patch), along = samples_.taxels_along();
+  const double floor_pa = kExactShare * peak_pressure(patch), along = samples_.taxels_along();
   frame_.noise_normal_pa = std::max(patch.noise_normal_pa, floor_pa) / along;
   frame_.noise_shear_pa = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / along;
 }
@@ -336,8 +337,7 @@ void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Mi
   if (out.sigma > kOpenSigma) weigh_by_prior(at, minimum.hessian, out);
   // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
   const double uneven = misfit.by_noise > kMaxRingMisfit ? kModelSigma : 0;
-  const double unlike =
-      std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
+  const double unlike = std::max(kUnexplainedSigma * residual_pressure(at), ratio.deviation.sigma(deviation));
   const double model_sigma = norm(uneven, unlike);
   out.sigma = norm(out.sigma, model_sigma);
   out.common_sigma = model_sigma;

@@ -43,17 +43,10 @@ struct FitOptions {
   // It has converged after a step shorter than this, in standard deviations; 1e-6 … 0.5. Too small: more
   // steps, for nothing. Too large: it stops before the minimum.
   double converged_sigmas = 0.1;
-  // Floor of a taxel's noise, of the peak; 1e-8 … 0.01. Too small: frames without noise make the normal
-  // equations singular. Too large: sigma is more than the error on very good sensors.
-  double noise_floor = 1e-4;
 
   // Ellipticity of the pressure (HertzDeviation) from which on an ellipse is fitted; 0.05 … 0.3. Too small:
   // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
   double elliptic_from = 0.1;
-
-  // Sigma of Gamma over a residual pressure that is clear, as a share of the peak; 0 … 5. Too small: sigma is
-  // less than the error on contacts that are not Hertz's. Too large: it is more.
-  double pressure_sigma = 0.9;
 
   // Those of method `block-fit`.
   static FitOptions in_blocks() {

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/contact/subsurface/subsurface.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
 #include "core/numeric/iteration.hpp"
@@ -20,6 +21,10 @@
 
 namespace slipd {
 namespace {
+
+// From which the fit starts under a skin. If it ends nearer to 0 or 1 than FitOptions::start_within it starts
+// anew, as far from 1.
+constexpr double kMiddleGamma = 0.5;
 
 using Model = ContactShape;
 using Sheet = contact::SubsurfaceSheet;
@@ -59,15 +64,14 @@ SubsurfaceFit::Full SubsurfaceFit::start(const ContactPatch& patch, const Moment
       frame_.elliptic ? std::min(ratio.deviation.ellipticity * sensed_m2 / mean_m2, kMostEllipticity) : 0;
   const double a = std::sqrt(mean_m2 * std::sqrt(1 - e * e)), twice = 2 * ratio.deviation.long_axis_rad;
   Full at = Full::Zero();
-  at[Model::load] = ratio.load * (1 + options_.start_load * depth_m_ / sensed);
+  at[Model::load] = ratio.load * (1 + options_.start_spread * depth_m_ / sensed);
   at[Model::center_x] = patch.center_x_m - depth_m_ * ratio.load * patch.direction_x;
   at[Model::center_y] = patch.center_y_m - depth_m_ * ratio.load * patch.direction_y;
   at[Model::direction] = std::atan2(patch.direction_y, patch.direction_x);
   at[Model::size] = a;
   at[Model::depth] = depth_.now().mean;
   at[Model::peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
-  at[Model::margin] =
-      depth_m_ > 0 ? options_.start_gamma : fit_.away_from_ends(gamma_of_moment_ratio(ratio.value));
+  at[Model::margin] = depth_m_ > 0 ? kMiddleGamma : fit_.away_from_ends(gamma_of_moment_ratio(ratio.value));
   at[Model::along] = std::atanh(e) * std::cos(twice);
   at[Model::across] = std::atanh(e) * std::sin(twice);
   return at;
@@ -92,7 +96,7 @@ SubsurfaceFit::Full SubsurfaceFit::stepped(const Full& from, const Vector& step)
 
 void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
   Model::Normal trial_normal;
-  const double settled = model_.partial() ? options_.part_settled_nats : options_.settled_nats;
+  const double settled = options_.settled_nats;
   double damping = fit_.first_damping, gained = std::numeric_limits<double>::infinity();
   best.converged = false;
   if (!best.known) {
@@ -134,7 +138,7 @@ void SubsurfaceFit::refresh(int unknowns, Minimum& best) noexcept {
 // Noise: root mean squares of what is left over, each channel with its share of the unknowns.
 bool SubsurfaceFit::weights_change(int unknowns, Minimum& best) noexcept {
   const auto taxels = static_cast<double>(model_.count());
-  const double used = 1 - unknowns / (3 * taxels), floor_pa = fit_.noise_floor * best.at[Model::peak];
+  const double used = 1 - unknowns / (3 * taxels), floor_pa = kExactShare * best.at[Model::peak];
   const Model::Noise before = model_.noise();
   const auto left = [&](const Model::Sums& of, double values) {
     return std::sqrt(2 * of.cost / (used * values));
@@ -226,7 +230,7 @@ void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Readin
 // As an ellipse where the pressure's moments show one, else round; anew from another margin where it ends at
 // an end of the range; then with the noise that is left over, and as what the taxels show.
 void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
-  model_.use_part(options_.part_taxels);
+  model_.use_part(kSampled);
   frame_.elliptic = shows_ellipse(ratio.deviation);
   best.at = start(patch, ratio);
   minimise(unknowns(), best);
@@ -258,7 +262,7 @@ void SubsurfaceFit::fit_all(Minimum& best) noexcept {
   minimise(unknowns(), best);
   if (!best.converged) {  // from afar it takes another way
     Minimum other = best;
-    other.at[Model::margin] = options_.start_gamma;
+    other.at[Model::margin] = kMiddleGamma;
     other.known = false;
     minimise(unknowns(), other);
     best.current = false;
@@ -278,7 +282,7 @@ SubsurfaceFit::Minimum SubsurfaceFit::fit_contact(const ContactPatch& patch,
                                                   const MomentRatio& ratio) noexcept {
   Minimum best;
   begin_depth();
-  const double floor_pa = fit_.noise_floor * start(patch, ratio)[Model::peak],
+  const double floor_pa = kExactShare * start(patch, ratio)[Model::peak],
                normal_pa = std::max(patch.noise_normal_pa, floor_pa);
   model_.set_noise({normal_pa, depth_m_ > 0 ? normal_pa : std::max(patch.noise_shear_pa, floor_pa)});
   fit_part(patch, ratio, best);
@@ -336,7 +340,7 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
   if (out.sigma > kOpenSigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < kMaxRingMisfit && looks_monotonic(out);
-  out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
+  out.common_sigma = out.shape_sigma = kUnexplainedSigma * residual;
   if (depth_.open()) out.common_sigma = norm(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
   out.common_sigma = norm(out.common_sigma, layer_sigma(at));
   out.sigma = norm(out.sigma, out.common_sigma);

@@ -38,28 +38,20 @@ struct SubsurfaceFitOptions {
   // Taxels up to this many depths outside the patch's disc are used; 0 … 5. Too small: the shear's flank,
   // which shows the margin, is left out. Too large: costs time.
   double reach_depths = 1;
-  // What the start subtracts from the square of the measured radius for the skin's spread, over depth^2; 0 …
-  // 5. Too small and too large: more steps.
-  double start_spread = 1.8;
-  // What it adds to the measured Q/P, over that, for a depth of one radius; 0 … 5. As above.
-  double start_load = 2.2;
-  // Gamma from which the fit starts under a skin. If it ends nearer to 0 or 1 than FitOptions::start_within
-  // it starts anew, as far from 1; 0.1 … 0.9. Too small and too large: more steps.
-  double start_gamma = 0.5;
+  // What the start subtracts from the square of the measured radius for the skin's spread, over depth^2, and
+  // adds to the measured Q/P, over that, for a depth of one radius; 0 … 5. Too small and too large: more
+  // steps.
+  double start_spread = 2;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;
   // A step that gains less than this of log likelihood is the last one, and nothing is evaluated at its end;
-  // nats, 1e-4 … 0.1; the same on some of the taxels, 0.01 … 1. Too small: costs time. Too large: what is not
+  // nats, 1e-4 … 0.5. Too small: costs time. Too large: what is not
   // linear in the unknowns shows.
-  double settled_nats = 0.05;
-  double part_settled_nats = 0.4;
+  double settled_nats = 0.1;
   // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
   // Too small: costs time. Too large: channels have wrong weights.
   double other_weights = 0.15;
-  // Taxels that the first steps use at least, evenly chosen; 60 … 1000. Too small: the last steps start far
-  // from the minimum. Too large: costs time.
-  std::size_t part_taxels = 160;
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;

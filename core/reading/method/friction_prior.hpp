@@ -10,14 +10,22 @@
 namespace slipd {
 
 // Checked with `slipd-lab histories --grasps 400` and `slipd-lab tradeoff`.
+// Friction is open until its sigma is below this, and under a torque it is not given before; relative, 0.02 …
+// 0.3; far from slip also a margin with this standard deviation is. Too small: margins after a change stay
+// low, and only heavy loads are answered. Too large: margins are too safe, and light torques are answered by
+// a peak below the plateau.
+inline constexpr double kSettledFriction = 0.08;
+
+// How well a friction is known that was given, or that a slide shows; standard deviation of log mu, 0.01 …
+// 0.3. |Q|/P of real slides scatters by 0.04 to 0.07. Too small: a given value that is wrong is believed
+// against the frames, and a slide's noise is taken for friction. Too large: both say little.
+inline constexpr double kKnownFrictionSpread = 0.05;
+
 struct FrictionPriorOptions {
   // Beyond a scene's range the prior falls as a Gaussian of this standard deviation in log mu; dimensionless,
   // 0.01 … 1. Too small: an object somewhat outside the range is never learnt. Too large: the range says
   // nothing where the frames leave friction open.
   double scene_spread = 0.15;
-  // The same of a friction that was given; dimensionless, 0.01 … 0.5. Too small: a given value that is wrong
-  // is believed against the frames. Too large: it helps no more than a range.
-  double given_spread = 0.05;
 };
 
 struct FrictionPrior {

@@ -9,6 +9,7 @@
 
 #include "core/contact/shear_moments.hpp"
 #include "core/estimate/estimate.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/work_precision.hpp"
 
@@ -23,17 +24,10 @@ inline constexpr double kKnownFrictionShare = 0.5;
 // whose error is common count too much. Too large: the likelihood is no parabola any more.
 inline constexpr double kOpenSigma = 0.04;
 
-// What the shear of a real skin deviates from the model, ring by ring and in its moments, and what few domes
-// or maps miss of it: of the shear, standard deviation; 0.005 … 0.1. Too small: real skins are refused, and
-// the model's error refutes the right friction. Too large: other histories pass, and frictions are not
-// distinguished.
-inline constexpr double kUnevenShare = 0.02;
-
-// Standard deviation of Gamma of a contact that is not quite as its model: on few taxels, on a skin that is
-// uneven by kUnevenShare, or of another shape, which maps may know better; 0.005 … 0.1. Too small: sigma is
-// less than the error, and two methods run for one margin. Too large: such frames are wasted, and ellipses
-// get an imprecise margin.
-inline constexpr double kModelSigma = 0.03;
+// Sigma of Gamma over the part of the pressure or the shear that is clearly not explained, of the peak or of
+// its root sum of squares; 0.1 … 5. Too small: sigma is less than the error on contacts that are not as the
+// method has them. Too large: it is more.
+inline constexpr double kUnexplainedSigma = 0.9;
 
 // How little each margin fits a frame: half the squared misfit in units of noise, Gamma = (j + 1/2)/kSteps,
 // the least is 0. The scene's expectations are not in it.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/contact/scene.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 
 namespace slipd {
@@ -19,16 +20,12 @@ struct LogDepth {
 
 class SkinDepth {
  public:
-  // The deviation that all frames together leave: a real skin is no half space, and its depth is not the same
-  // everywhere; 0.01 … 0.1. Too small: the depth of a grasp is taken for exact. Too large: frames teach
-  // nothing.
-  static constexpr double kLeastSigma = 0.02;
   // depth_m: nominal, >= 0. sigma: of its log; 0: the depth is exact.
   SkinDepth(double depth_m, double sigma) noexcept : depth_m_(depth_m), prior_sigma_(sigma) { forget(); }
 
   bool open() const noexcept { return depth_m_ > 0 && prior_sigma_ > 0; }
   // Further frames change little.
-  bool settled() const noexcept { return open() && now_.sigma <= std::min(kLeastSigma, prior_sigma_); }
+  bool settled() const noexcept { return open() && now_.sigma <= std::min(kUnevenShare, prior_sigma_); }
   const LogDepth& now() const noexcept { return now_; }
   // By all frames so far, m.
   double depth_m() const noexcept { return depth_m(now_.mean); }
@@ -44,7 +41,7 @@ class SkinDepth {
   // No farther from nominal than that is believed, and no better known than frames can show.
   LogDepth limited(const LogDepth& known) const noexcept {
     return {std::clamp(known.mean, -most(), most()),
-            std::max(std::min(kLeastSigma, prior_sigma_), known.sigma)};
+            std::max(std::min(kUnevenShare, prior_sigma_), known.sigma)};
   }
   // The farthest from nominal that is believed.
   double most() const noexcept { return kClearSigmas * prior_sigma_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/patch/rings.hpp"
@@ -95,7 +96,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   const double rim =
                    norm(options.rim_error * coarse * coarse * coarse, ring_error(coarse, out.gamma, options)),
                grid = rim + options.moments_floor;
-  out.common_sigma = (corrected ? options.corrected_share : 1) * rim + options.ratio_floor;
+  out.common_sigma = (corrected ? options.corrected_share : 1) * rim + kExactShare;
   out.sigma = norm(norm(from_q, out.value * from_p) / mean_p, out.common_sigma);
 
   // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the

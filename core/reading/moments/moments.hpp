@@ -38,8 +38,6 @@ struct MomentRatioOptions {
   // unloading
   // (`slipd-lab coverage --grasps 30 --of histories`). Too large: alerts come early.
   double corrected_share = 0.6;
-  // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
-  double ratio_floor = 0.0007;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
   // frame. Too large: it learns slowly.
   double moments_floor = 0.002;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/reading/method/method.hpp"
@@ -41,17 +42,16 @@ double PressureMaps::force_n(const ContactPatch& patch) const noexcept {
 void PressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (!(patch.normal_n > 0) || patch.normal_n < kStandsOutSigmas * patch.normal_sigma_n) return;
   const double normal_n = force_n(patch);
-  if (skin_ && patch.shear_n > options_.most_shear * patch.normal_n &&
+  if (skin_ && patch.shear_n > kPulled * patch.normal_n &&
       patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n)
     pulled_n_ = std::max(pulled_n_, normal_n);
   if (!(normal_n > 0) || normal_n < kGrown * pulled_n_) return;
-  const bool pulled =
-      patch.shear_n > (skin_ ? options_.most_shear_sensed : options_.most_shear) * patch.normal_n &&
-      patch.shear_n > kClearSigmas * patch.shear_sigma_n;
+  const bool pulled = patch.shear_n > (skin_ ? options_.most_shear_sensed : kPulled) * patch.normal_n &&
+                      patch.shear_n > kClearSigmas * patch.shear_sigma_n;
   if (pulled && (skin_ || !grown(patch, normal_n))) return;
   // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
   // pressing is sensed as.
-  if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < options_.enough_frames)
+  if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < learning_frames())
     maps_.add(patch.taxels, normal_n);
   most_n_ = std::max(most_n_, normal_n);
   if (skin_) skin_->prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
@@ -59,15 +59,15 @@ void PressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
 
 bool PressureMaps::grown(const ContactPatch& patch, double normal_n) noexcept {
   if (!recorded(normal_n) || normal_n <= maps_.force_n(maps_.size() - 1) ||
-      maps_.frames_like(normal_n) >= options_.enough_frames)
+      maps_.frames_like(normal_n) >= learning_frames())
     return false;
   maps_.find_contact(patch.noise_normal_pa);
   return unmoved(patch, maps_.at(normal_n));
 }
 
 bool PressureMaps::recorded(double normal_n) const noexcept {
-  return maps_.size() >= options_.least_maps && maps_.force_n(0) <= options_.most_first_force * normal_n &&
-         normal_n <= options_.most_step * (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
+  return maps_.size() >= options_.least_maps && maps_.force_n(0) <= normal_n / kGrown &&
+         kFallen * normal_n <= (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
 }
 
 bool PressureMaps::unmoved(const ContactPatch& patch, const RecordedMaps::Sum& today) const noexcept {
@@ -79,7 +79,7 @@ bool PressureMaps::unmoved(const ContactPatch& patch, const RecordedMaps::Sum& t
   const double map_pa2 = maps_.square_pa2(today, patch.noise_normal_pa);
   const double product_pa2 = RecordedMaps::product(today, maps_.products(pressure));
   if (!(square_pa2 > 0 && map_pa2 > 0)) return false;
-  return 1 - product_pa2 * product_pa2 / (square_pa2 * map_pa2) < options_.most_unlike;
+  return 1 - product_pa2 * product_pa2 / (square_pa2 * map_pa2) < kUnlike;
 }
 
 PressureMaps::Trial PressureMaps::judge(double gamma, const ContactPatch& patch,
@@ -166,7 +166,7 @@ double PressureMaps::unexplained_share(const Squares& squares) const noexcept {
 
 void PressureMaps::give_moments(const JaegerDecomposition& sum, const Squares& squares,
                                 Reading& out) const noexcept {
-  if (unexplained_share(squares) > options_.most_unexplained) return;
+  if (unexplained_share(squares) > kMostUnexplained) return;
   out.moments = sum.moments();
   out.moments_sigma = sum.sigma();
   out.moments_common_sigma = sum.common_sigma();
@@ -178,11 +178,11 @@ void PressureMaps::give_moments(const JaegerDecomposition& sum, const Squares& s
 void PressureMaps::conclude(const ContactPatch& patch, const Trial& best, const Squares& squares,
                             Reading& out) const noexcept {
   const double unexplained = unexplained_share(squares);
-  if (unexplained > options_.most_unexplained) return;
+  if (unexplained > kMostUnexplained) return;
   weigh(out);
   if (!out.in_model) return;
   if (out.sigma > kOpenSigma && !skin_) give_profile(out);
-  const double by_model = norm(options_.least_sigma, options_.unexplained_sigma * unexplained);
+  const double by_model = norm(kUnevenShare, kUnexplainedSigma * unexplained);
   out.common_sigma = norm(by_model, out.sigma * std::sqrt(best.map_share));
   out.sigma = norm(out.sigma, by_model);
   const double rest = 1 - out.gamma;
@@ -305,7 +305,7 @@ std::size_t PressureMaps::closest_trial() const noexcept {
 
 // The same frame, read as if the taxels lay deeper.
 double PressureMaps::sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept {
-  if (!(std::fabs(gamma - asked_at_gamma_) > options_.depth_asked_again)) return by_depth_;
+  if (!(std::fabs(gamma - asked_at_gamma_) > kModelSigma)) return by_depth_;
   skin_->deepen(maps_, best, skin_->pull(best));
   judge_sensed(patch);
   Reading deeper;
@@ -324,9 +324,8 @@ bool PressureMaps::read_sensed(const ContactPatch& patch, double normal_n, Sense
   out.best = judge_sensed(patch);
   out.sum = JaegerDecomposition(normal_n);
   out.summed = skin_->superpose(maps_, normal_n, patch.direction_x, patch.direction_y, out.sum);
-  if (out.summed)
-    return skin_->unlike_superposed(maps_, patch.direction_x, patch.direction_y) < options_.most_unlike;
-  return out.best < kSteps && skin_->unlike(maps_, out.best, skin_->pull(out.best)) < options_.most_unlike;
+  if (out.summed) return skin_->unlike_superposed(maps_, patch.direction_x, patch.direction_y) < kUnlike;
+  return out.best < kSteps && skin_->unlike(maps_, out.best, skin_->pull(out.best)) < kUnlike;
 }
 
 Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {

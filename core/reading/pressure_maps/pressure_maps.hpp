@@ -26,47 +26,15 @@ namespace slipd {
 struct PressureMapsOptions {
   FrictionPriorOptions prior;
 
-  // The greatest share of its normal force that is shear in a frame that counts as closing, unless noise
-  // explains more; 0.005 … 0.1. Under a skin more, if it stands out of its noise, is a pull, which leaves
-  // traction in the contact where its own force has gone: nothing is recorded then up to kGrown times its
-  // normal force. Too small: a sensor that reads shear under a normal load records nothing. Too large: frames
-  // with a pull are recorded.
-  double most_shear = 0.03;
   // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
   // the beginning of a pull is taken for what pressing is sensed as.
   double most_shear_sensed = 0.005;
-  // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many:
-  // recording costs time in a held grasp.
-  double enough_frames = 32;
   // The least number of maps for a margin; 4 … 32. Too few: interpolation between them is wrong. Too many: a
   // quick grip has no margin.
   std::size_t least_maps = 8;
-  // The greatest force of the first map, over the frame's; 0.05 … 0.5. Too large: the beginning of the
-  // closing was not recorded, and small margins are extrapolated. Too small: slow sensors get no margin.
-  double most_first_force = 0.25;
   // Under a skin the frame's force may exceed the greatest recorded one by this factor; 1.001 … 1.05. Too
   // small: noise of forces makes maps of loaded frames. Too large: the contact has grown beyond its maps.
   double most_growth = 1.005;
-  // Beyond that, frames with a pull are recorded, too, if their pressure is the one that the maps go on to,
-  // up to this factor; 1.1 … 1.5. Too small: a quick regrip takes the margin away. Too large: maps do not go
-  // on so far, and a contact that has moved meanwhile is taken for one that has grown.
-  double most_step = 1.2;
-  // 1 - cos^2 between the frame's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small:
-  // real skins that creep get no margin. Too large: a contact that has moved or rolled since gets one.
-  double most_unlike = 0.01;
-  // The greatest share of the shear that is clearly not explained: square root of the ratio of the sums of
-  // squares, 0.05 … 0.4. Too small: real contacts are refused. Too large: another load history passes.
-  double most_unexplained = 0.2;
-  // Sigma of Gamma over that share; 0 … 2. Too small: sigma is less than the error of contacts whose shear is
-  // not quite the difference of two maps. Too large: it is more.
-  double unexplained_sigma = 0.5;
-  // Floor of sigma, Gamma; 0.001 … 0.05. It covers the interpolation between maps, and a grip that is never
-  // quite still. By `slipd-lab coverage --methods closing --of histories`. Too small: sigma is less than the
-  // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
-  double least_sigma = 0.015;
-  // Under a skin, the change of Gamma from which on it is found anew how much the margin depends on the
-  // depth; Gamma, 0.01 … 0.2. Too small: costs time. Too large: that part of sigma is of another margin.
-  double depth_asked_again = 0.05;
 };
 
 class PressureMaps final : public SlipMethod {

@@ -14,6 +14,17 @@
 
 namespace slipd {
 
+// Two patterns are of one contact, or of one history, up to this 1 - cos^2 between them, beyond noise; 0.001
+// … 0.05. Too small: real skins that creep get no margin, and noise is taken for a history. Too large: a
+// contact that has moved or rolled gets one, and no other history is seen.
+inline constexpr double kUnlike = 0.01;
+
+// The greatest share of the shear that is clearly not explained, or that no depth explains of what pressing
+// is sensed as: square root of the ratio of the sums of squares, 0.05 … 0.5. Too small: real contacts are
+// refused, and real skins never show their depth. Too large: another load history passes, and a skin of
+// another kind is taken for one of another depth.
+inline constexpr double kMostUnexplained = 0.2;
+
 class RecordedMaps {
  public:
   // The most maps that are kept.

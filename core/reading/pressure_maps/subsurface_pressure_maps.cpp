@@ -16,10 +16,6 @@ namespace {
 // their noise. Too large: small contacts lose their edge.
 constexpr double kLeastSensed = 0.1;
 
-// The share of a difference of maps that the one found must leave, for it to show another history; 0.001 …
-// 0.1. Too small: noise is taken for a history. Too large: none is seen.
-constexpr double kOwn = 0.01;
-
 }  // namespace
 
 SubsurfacePressureMaps::SubsurfacePressureMaps(const TaxelLayout& layout, const Skin& skin,
@@ -133,7 +129,8 @@ double SubsurfacePressureMaps::history_gain(std::size_t trial, const Pull& pull)
     const double common_pa2 = other.weights.dot(with_found) - noise_pa2 * other.weights.dot(noise_with_found);
     const double own_pa2 = other_pa2 - common_pa2 * common_pa2 / found_pa2;
     // Of a difference that is nearly the same, or noise, nothing is left.
-    if (!(found_pa2 > 0 && own_pa2 > kOwn * other_pa2 && own_pa2 > noise_pa2 * other.noise_share)) continue;
+    if (!(found_pa2 > 0 && own_pa2 > kUnlike * other_pa2 && own_pa2 > noise_pa2 * other.noise_share))
+      continue;
     const double product_pa2 = read.dot(other.weights) - common_pa2 * left;
     gain = std::max(gain, product_pa2 * product_pa2 / (own_pa2 * variance_pa2));
   }

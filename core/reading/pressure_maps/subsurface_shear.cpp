@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/model_errors.hpp"
 #include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
@@ -16,11 +17,6 @@ constexpr double kAlike = 0.3;
 // Noise of a frame that the smoothing counts with, over its peak; 0.002 … 0.05. Too small: maps keep their
 // noise. Too large: margins of a quiet sensor are not as good as they could be.
 constexpr double kNoise = 0.01;
-
-// Of the shear that pressing is sensed as, the share of its sum of squares that no depth explains and that
-// leaves the depth unknown; 0.05 … 0.5. Too small: real skins never show their depth. Too large: a skin of
-// another kind is taken for one of another depth.
-constexpr double kMostUnexplained = 0.2;
 
 double covariance_of(double a, double b) noexcept {
   const double apart = (a - b) / kAlike;
@@ -111,14 +107,14 @@ void SubsurfacePressureMaps::find_depth(const RecordedMaps& maps) noexcept {
   if (!(squares > 0 && sensed_pa2 > 0)) return;
   const double off_pa2 =
       taxel_dot(left, left) - product * product / squares - 2 * static_cast<double>(taxels_) * noise_pa2;
-  if (off_pa2 > kMostUnexplained * sensed_pa2) return;
+  if (off_pa2 > kMostUnexplained * kMostUnexplained * sensed_pa2) return;
   const LogDepth shown{filtered_log_ + product / squares,
-                       std::max(SkinDepth::kLeastSigma, std::sqrt(noise_pa2 / squares))};
+                       std::max(kUnevenShare, std::sqrt(noise_pa2 / squares))};
   depth_.forget();  // what smaller forces have shown is in these maps, too
   depth_.take(depth_.with(shown));
   const double log =
       std::clamp(depth_.now().mean, -ShearFromPressureFilter::kReach, ShearFromPressureFilter::kReach);
-  if (std::fabs(log - filtered_log_) < SkinDepth::kLeastSigma) return;
+  if (std::fabs(log - filtered_log_) < kUnevenShare) return;
   filtered_log_ = log;
   ratio_.set_depth(log);
   version_.fill(0);

@@ -6,8 +6,10 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/reading/method/friction_prior.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -71,10 +73,10 @@ PlateauTest FrictionPlateau::test_about(double ratio) const noexcept {
   return {.ratio = static_cast<float>(ratio),
           .noise_pa2 = static_cast<float>(noise_pa2),
           .gain = static_cast<float>(options_.gain_share * options_.gain_share * ratio * ratio),
-          .within = static_cast<float>(options_.plateau_sigmas * options_.plateau_sigmas)};
+          .within = static_cast<float>(kAlikeSigmas * kAlikeSigmas)};
 }
 
-// The mean of the taxels within plateau_sigmas of a ratio, moved there until it stands.
+// The mean of the taxels within kAlikeSigmas of a ratio, moved there until it stands.
 FrictionPlateau::Plateau FrictionPlateau::find_plateau() const noexcept {
   double ratio = start(), last = ratio;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -124,15 +126,15 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   out.friction = plateau.ratio;
   const double by_noise = options_.noise_factor / (std::sqrt(plateau.weight) * plateau.ratio);
   const double square = out.gamma * out.gamma;
-  const double rounded = options_.rounded_factor * plateau.width / plateau.ratio *
+  const double rounded = options_.noise_factor * plateau.width / plateau.ratio *
                          (options_.rounded_base + out.gamma + options_.rounded_steep * square * square);
   const double sigma = norm(by_noise, rounded);
   const double slipping = plateau.normal_pa / frame_.normal_pa;
-  frame_.all_slipped = slipping > options_.all_slip_share;
+  frame_.all_slipped = slipping > kWhole;
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -kClearSigmas * plateau.slope_sigma)
     return out;
-  if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma))
+  if (!(sigma < kSettledFriction) || slipping < options_.least_slipping * slipping_share(out.gamma))
     return out;
   out.in_model = true;
   out.friction_sigma = sigma * plateau.ratio;

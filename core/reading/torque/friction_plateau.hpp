@@ -29,9 +29,6 @@ struct FrictionPlateauOptions {
   // Share of the load that is below the ratio from which the plateau is looked for; 0.9 … 0.995. Too small: a
   // stuck part is taken for the plateau. Too large: noise is.
   double start_share = 0.97;
-  // A taxel is of the plateau within this many of its standard deviations; 1.5 … 3. Too small: few taxels,
-  // more noise. Too large: taxels that stick draw the plateau down.
-  double plateau_sigmas = 2;
   // Floor of a ratio's standard deviation, relative: gains of taxels; 0.002 … 0.05. Too small: gains scatter
   // taxels out of the plateau. Too large: as above.
   double gain_share = 0.01;
@@ -42,22 +39,14 @@ struct FrictionPlateauOptions {
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
   // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
-  // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1,
-  // 0 … 4. Too small: sigma is less than the error. Too large: it is more.
+  // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0 … 1, 0 … 4.
+  // Too small: sigma is less than the error. Too large: it is more.
   double noise_factor = 1.3;
-  double rounded_factor = 1.2;
   double rounded_base = 0.15;
   double rounded_steep = 1.6;
   // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
   // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
   double max_gamma = 0.72;
-  // Share of the load in the plateau from which on all of it slips, whatever came before; 0.6 … 0.95. Too
-  // small: a plateau that sticks again is read as friction. Too large: friction that fell under a torque is
-  // not seen.
-  double all_slip_share = 0.85;
-  // Friction is given below this relative standard deviation; 0.02 … 0.2. Too small: only heavy loads are
-  // answered. Too large: light ones are, by a peak below the plateau: friction too low.
-  double max_sigma = 0.06;
 };
 
 class FrictionPlateau {

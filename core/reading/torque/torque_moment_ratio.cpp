@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/reading/method/friction_prior.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "core/reading/torque/torque_kernels.hpp"
 #include "core/simd/instruction_sets.hpp"
@@ -64,13 +66,13 @@ TorqueMomentRatio::Ratio TorqueMomentRatio::as_of_pull(const Ratio& ratio, doubl
           .fourth = 1 + (ratio.fourth - 1) * more};
 }
 
-// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3).
+// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3), but for noise, square taxels and the skin.
 bool TorqueMomentRatio::half_space(const Ratio& ratio, double gamma, double coarse) const noexcept {
   constexpr double kNoLoad = 1e-6;
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
   return std::fabs(ratio.fourth - expected) <
-         options_.fourth_slack + options_.rim_error * coarse * coarse + kClearSigmas * ratio.noise;
+         kUnevenShare + kCoarseTorque * coarse * coarse + kClearSigmas * ratio.noise;
 }
 
 Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
@@ -88,7 +90,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
       hertz_deviation(best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded,
                       side_m_, options_.deviation);
   const Ratio ratio = as_of_pull(ratio_of(loaded, along, spin), std::fabs(spin) / (std::fabs(spin) + along));
-  const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
+  const double common = options_.ratio_floor + kCoarseTorque * coarse * coarse;
   const double open = kClearSigmas * norm(ratio.noise, common);
   if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
       !deviation.hertzian(options_.deviation))
@@ -103,9 +105,9 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
-  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, kKnownTurningSigma))) return out;
+  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, kSettledFriction))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / utilisation;
-  if (relative < kKnownTurningSigma)
+  if (relative < kSettledFriction)
     out.friction_sigma = out.friction * norm(relative, loaded.shear_sigma_n / loaded.shear_n);
   out.in_model = true;
   return out;

@@ -22,25 +22,13 @@ inline constexpr double kRoundedGamma = 0.55;
 // light pull has shown gives heavier loads margins that are too safe.
 inline constexpr double kMostTurningSigma = 0.18;
 
-// And friction is given that is known to this; relative, 0.02 … 0.2; far from slip also a margin with this
-// standard deviation. Too small: only heavy loads are answered. Too large: light ones are, by a peak below
-// the plateau, and friction is off by more than a tenth.
-inline constexpr double kKnownTurningSigma = 0.08;
-
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with
 // `slipd-lab torque --sides 16,32`.
 struct TorqueMomentRatioOptions {
   HertzDeviationOptions deviation;
-  // Error of the ratio by square taxels, and of that of fourth moments, over (side/a)^2; 0 … 1. Too small:
-  // sigma is less than the error on coarse arrays. Too large: it is more, and they are refused.
-  double rim_error = 0.1;
   // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
-  // The ratio of fourth moments agrees with that of a half space within the sum of its noise, rim_error, and
-  // this; 0.02 … 0.2. Too small: half spaces are refused. Too large: Winkler foundations and other histories
-  // pass.
-  double fourth_slack = 0.05;
   // Contacts with a smaller side/a are answered above kRoundedGamma only; 0 … 0.4. Below it FrictionPlateau,
   // which assumes no half space, finds what slips. A skin like a Winkler foundation has ratios as a half
   // space near slip, so that a ratio of a large margin is none of it. Too small: such skins get margins that

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/health/usual.hpp"
+
 namespace slipd {
 namespace {
 
@@ -93,13 +95,12 @@ TEST(FollowedForces, AGraspWithoutShearBeganWithItsFirstFrame) {
 }
 
 TEST(FollowedForces, AGraspThatIsLoadedAndDoesNotGrowWasMetUnderLoad) {
-  const FollowedForcesOptions options;
-  FollowedForces forces(options);
-  for (int i = 1; i <= 20; ++i)
-    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "frame " << i;
+  FollowedForces forces;
+  for (std::uint32_t i = 1; i <= 20; ++i)
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == kSureFrames) << "frame " << i;
   forces.reset();
-  for (int i = 1; i <= 20; ++i)
-    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "after a reset";
+  for (std::uint32_t i = 1; i <= 20; ++i)
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == kSureFrames) << "after a reset";
 }
 
 }  // namespace

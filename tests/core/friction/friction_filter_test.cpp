@@ -10,6 +10,7 @@
 
 #include "core/friction/by_forces.hpp"
 #include "core/friction/by_shape.hpp"
+#include "core/health/usual.hpp"
 #include "core/numeric/random.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "tests/core/friction/followed_filter.hpp"
@@ -108,11 +109,11 @@ TEST(FrictionFilter, AGraspMetUnderLoadHasNoMarginUntilFramesConfirmItsHistory) 
   grasp.move(2, 0, 0.5, 50, false);
   grasp.move(2, 0.6, 0.5, 50, false);
   const FrictionFilterOptions options;
-  int frames = 0;
+  std::uint32_t frames = 0;
   grasp.each_frame = [&] {
     ++frames;
-    if (frames < options.forces.onset_frames) return;
-    const bool confirmed = frames >= options.forces.onset_frames + options.history.confirming_frames - 1;
+    if (frames < kSureFrames) return;
+    const bool confirmed = frames >= kSureFrames + options.history.confirming_frames - 1;
     EXPECT_EQ(grasp.filter->understood(), confirmed) << "frame " << frames;
     EXPECT_EQ(grasp.filter->history(), confirmed ? HistoryState::monotonic : HistoryState::assumed_monotonic);
   };
@@ -171,7 +172,7 @@ TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesB
   for (int i = 0; i < 10; ++i) see(0.5);
   EXPECT_TRUE(filter->understood());
   const FrictionFilterOptions options;
-  for (int i = 1; i <= options.history.outlier_frames; ++i) {
+  for (std::uint32_t i = 1; i <= kSureFrames; ++i) {
     EXPECT_EQ(filter->history(), HistoryState::monotonic) << "before outlier " << i;
     see(9);
   }

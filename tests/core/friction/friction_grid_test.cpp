@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/frame/model_errors.hpp"
+
 namespace slipd {
 namespace {
 
@@ -80,9 +82,9 @@ TEST(FrictionGrid, SigmaHasAFloorHoweverSharpItsWeightsAre) {
   FrictionGrid grid(kPrior, kCount, options);
   believe(grid, 0.4, 0.001);
   const MeanSigma mu = grid.friction(), margin = grid.margin(0.2, 0);
-  EXPECT_GE(mu.sigma, options.sigma_floor * mu.mean);
-  EXPECT_LT(mu.sigma, 3 * options.sigma_floor * mu.mean);
-  EXPECT_GE(margin.sigma, options.sigma_floor * (1 - margin.mean));
+  EXPECT_GE(mu.sigma, kUnevenShare * mu.mean);
+  EXPECT_LT(mu.sigma, 3 * kUnevenShare * mu.mean);
+  EXPECT_GE(margin.sigma, kUnevenShare * (1 - margin.mean));
 }
 
 TEST(FrictionGrid, FrictionFarOutsideTheSceneHasAPriorAsWell) {

@@ -5,6 +5,8 @@
 
 #include <array>
 
+#include "core/health/usual.hpp"
+
 namespace slipd {
 namespace {
 
@@ -57,16 +59,15 @@ TEST(HistoryMonitor, BeginsWithAHistoryThatIsKnown) {
   EXPECT_EQ(HistoryMonitor().state(), Known::monotonic);
 }
 
-TEST(HistoryMonitor, ARunOfOutliersIsCompleteAtTheNumberGiven) {
-  HistoryMonitor monitor({.outlier_frames = 3, .confirming_frames = 2});
-  EXPECT_FALSE(monitor.outlier());
-  EXPECT_FALSE(monitor.outlier());
+TEST(HistoryMonitor, ARunOfOutliersIsCompleteAtSureFrames) {
+  HistoryMonitor monitor({.confirming_frames = 2});
+  for (std::uint32_t i = 1; i < kSureFrames; ++i) EXPECT_FALSE(monitor.outlier());
   EXPECT_TRUE(monitor.outlier());
   EXPECT_FALSE(monitor.outlier()) << "the next run begins anew";
 }
 
 TEST(HistoryMonitor, AFrameThatIsExplainedEndsARunOfOutliers) {
-  HistoryMonitor monitor({.outlier_frames = 2, .confirming_frames = 2});
+  HistoryMonitor monitor({.confirming_frames = 2});
   for (int i = 0; i < 10; ++i) {
     EXPECT_FALSE(monitor.outlier());
     monitor.explained(i % 2 == 0);
@@ -74,7 +75,7 @@ TEST(HistoryMonitor, AFrameThatIsExplainedEndsARunOfOutliers) {
 }
 
 TEST(HistoryMonitor, ConfirmingFramesMakeAnAssumedHistoryKnown) {
-  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 3});
+  HistoryMonitor monitor({.confirming_frames = 3});
   monitor.lose(Event::loaded_at_onset);
   EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
   monitor.explained(true);
@@ -85,14 +86,14 @@ TEST(HistoryMonitor, ConfirmingFramesMakeAnAssumedHistoryKnown) {
 }
 
 TEST(HistoryMonitor, FramesThatWereNotReadAsMonotonicConfirmNothing) {
-  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 1});
+  HistoryMonitor monitor({.confirming_frames = 1});
   monitor.lose(Event::shear_turned);
   for (int i = 0; i < 10; ++i) monitor.explained(false);
   EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
 }
 
 TEST(HistoryMonitor, AHistoryThatIsLostAgainIsConfirmedAllOver) {
-  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 2});
+  HistoryMonitor monitor({.confirming_frames = 2});
   monitor.lose(Event::outlier_run);
   monitor.explained(true);
   monitor.lose(Event::outlier_run);
@@ -112,11 +113,11 @@ TEST(HistoryMonitor, UnloadingAfterALostHistoryLeavesItUnknownUntilTheLoadIsMono
 }
 
 TEST(HistoryMonitor, ALostContactForgetsBothCounts) {
-  HistoryMonitor monitor({.outlier_frames = 2, .confirming_frames = 2});
+  HistoryMonitor monitor({.confirming_frames = 2});
   monitor.outlier();
   monitor.lose(Event::loaded_at_onset);
   monitor.explained(true);
-  monitor.outlier();
+  for (std::uint32_t i = 1; i < kSureFrames; ++i) monitor.outlier();
   monitor.contact_lost();
   EXPECT_EQ(monitor.state(), Known::monotonic);
   EXPECT_FALSE(monitor.outlier());

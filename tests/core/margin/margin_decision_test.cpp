@@ -6,6 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/frame/model_errors.hpp"
+
 namespace slipd {
 namespace {
 
@@ -35,7 +37,7 @@ TEST(MarginDecision, AProposalThatStandsIsTheMargin) {
   const Estimate out = applied(decision_of({0.4, 0.03}));
   EXPECT_EQ(out.state, State::ok);
   EXPECT_EQ(out.gamma, 0.4);
-  EXPECT_NEAR(out.sigma.value(), std::hypot(0.03, kLeastMarginSigma), 1e-12);
+  EXPECT_NEAR(out.sigma.value(), std::hypot(0.03, kExactShare), 1e-12);
 }
 
 TEST(MarginDecision, WhatWidensAMarginBeyondTheLargestSigmaTakesItAway) {
@@ -55,7 +57,7 @@ TEST(MarginDecision, TheFirstReasonToRefuseStandsAndAFaultIsStronger) {
   EXPECT_EQ(applied(decision).state, State::out_of_model);
   decision.fail();
   EXPECT_EQ(applied(decision).state, State::fault);
-  MarginDecision never(kMostSigma, kLeastMarginSigma, State::no_shear);
+  MarginDecision never(kMostSigma, kExactShare, State::no_shear);
   never.refuse(State::no_contact);
   EXPECT_EQ(applied(never).state, State::no_shear);
 }

@@ -238,7 +238,7 @@ TEST(SkinDepths, AddWhatFramesShowToWhatWasKnownAndStayWithinThreeDeviations) {
   depth.take(depth.with({5, 0.01}));
   EXPECT_NEAR(depth.now().mean, 0.3, 1e-12);
   EXPECT_TRUE(depth.settled());
-  EXPECT_EQ(depth.now().sigma, SkinDepth::kLeastSigma);
+  EXPECT_EQ(depth.now().sigma, kUnevenShare);
   depth.forget();
   EXPECT_DOUBLE_EQ(depth.depth_m(), 0.001);
   EXPECT_FALSE(SkinDepth(0.001, 0).open());
