@@ -21,6 +21,13 @@ struct Range {
 // skin of another depth are off by more than their sigma. Too large: a misfit of another cause passes for a
 // depth (`slipd-lab tradeoff --shapes`).
 inline constexpr double kUsualDepthSigma = 0.1;
+
+// The greatest friction coefficient that is expected of anything, 1 … 5: the end of the grid of frictions,
+// and no single taxel's shear is more of its own pressure. Too small: frictions beyond come out as the end,
+// and the rim of a contact is called a spike. Too large: the grid's step grows, and with it what no frame can
+// distinguish, and spikes of shear are believed.
+inline constexpr double kMostFriction = 2.2;
+
 // The sensor's surface: a sphere. The defaults are those of docs/methods.md §26.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers

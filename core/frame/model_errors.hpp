@@ -17,6 +17,11 @@ inline constexpr double kUnevenShare = 0.02;
 // large: such frames are wasted, and ellipses get an imprecise margin.
 inline constexpr double kModelSigma = 0.03;
 
+// Standard deviation of Gamma, also relative, of a contact as far from its model as is answered: at the
+// greatest tilt, ellipticity or kurtosis, and at least twice as wide as a skin on a rigid base is thick; 0 …
+// 0.3. Too small: sigma is less than the error on such contacts. Too large: it is more.
+inline constexpr double kFarSigma = 0.12;
+
 // What is left on a perfect sensor, and what gains and rounding of taxels leave of one without noise: floor
 // of the sigmas of Gamma, of |Q|/P and of the ratio of moments, and of a taxel's noise, of the peak; 1e-6 …
 // 0.01 (the mean error of `fit` on 100 x 100 taxels with 1 % of relative noise is 0.0002). Too small: a frame

@@ -1,4 +1,4 @@
-// How long a sensor may be silent.
+// How long a sensor may be silent, and over how long it is averaged.
 #pragma once
 
 namespace slipd {
@@ -9,5 +9,10 @@ namespace slipd {
 // movement across the pause counts as one at once, a turn by more than half the angle between two arms
 // wrongly, and a quick exchange goes unseen.
 inline constexpr double kPause_s = 1;
+
+// Frames are averaged over blocks of this time, of which noise and the course of a pattern are read; a slower
+// sensor's block is one frame; s, 0.01 … 0.2. Too small: noise. Too large: slides are seen late, an
+// approaching contact counts as noise, and short pauses between grasps are not used.
+inline constexpr double kBlock_s = 0.05;
 
 }  // namespace slipd

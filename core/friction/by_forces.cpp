@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
+#include "core/load/load_path.hpp"
 
 namespace slipd {
 namespace {
@@ -45,7 +47,7 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
 
 void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
   if (patch.normal_n <= kGrown * grasp_.lighter_n) return;
-  if (grasp_.lighter_n > 0) posterior_.may_have_changed(1 - options_.kept_when_grown);
+  if (grasp_.lighter_n > 0) posterior_.may_have_changed(1 - 1 / kGrown);
   grasp_.lighter_n = patch.normal_n;
 }
 
@@ -54,8 +56,7 @@ void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
 void FrictionByForces::watch_hook() noexcept {
   const MeanSigma load = traction_ratio_.held();
   const double highest = grid().friction(grid().count() - 1), lowest = grid().friction(0);
-  if (load.mean - kClearSigmas * load.sigma > options_.exceeds_friction * highest)
-    grasp_.exceeds_friction = true;
+  if (load.mean - kClearSigmas * load.sigma > kBeyondUsual * highest) grasp_.exceeds_friction = true;
   if (!grasp_.exceeds_friction) return;
   posterior_.reset();
   grasp_.exceeds_friction = load.mean > lowest;

@@ -8,6 +8,7 @@
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/friction/foundations/monotonic_contact.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -210,8 +211,7 @@ void FrictionByShape::verify(const FrictionFrame& frame, bool clear) noexcept {
   }
   const double limit_n = likeliest() * frame.patch.normal_n;
   const double moved_n = frame.step.shear_moved_n();
-  if (was_clear && frame.patch.shear_n < moved_n && moved_n > options_.max_lost_step * limit_n)
-    grasp_.shear_lost = true;
+  if (was_clear && frame.patch.shear_n < moved_n && kGrown * moved_n > limit_n) grasp_.shear_lost = true;
 }
 
 }  // namespace slipd

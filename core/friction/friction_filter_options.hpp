@@ -65,21 +65,6 @@ struct FrictionFilterOptions {
 
   // Mean of least squared residuals from which no margin is given; 1.2 … 9, below 1 where all is understood.
   double max_mean_residual = 2;
-
-  // A shear that ends below kStrongSigmas got there in steps of less than this from frame to frame, of mu
-  // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
-  // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
-  double max_lost_step = 0.45;
-
-  // What is kept of the evidence of a lighter contact of a force-only sensor when P has grown by more than
-  // kGrown; share, 0 … 1. Too small: a regrip forgets friction. Too large: the first touch bounds it for
-  // long.
-  double kept_when_grown = 0.25;
-  // |Q|/P of a force-only sensor clearly above this times the greatest expected friction is no friction:
-  // something hooks; 1.2 … 5. What it showed is forgotten, and nothing is
-  // learnt until the load is below the least friction. Too small: an object of more friction than was
-  // expected counts as hooked. Too large: a hook is learnt as friction.
-  double exceeds_friction = 1.5;
 };
 
 }  // namespace slipd

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/contact/scene.hpp"
 #include "core/numeric/posterior_sums.hpp"
 #include "core/reading/method/friction_prior.hpp"
 
@@ -13,10 +14,10 @@ namespace slipd {
 
 // Checked with `slipd-lab histories --grasps 400` and `slipd-lab tradeoff --layouts 4,wrench`.
 struct FrictionGridOptions {
-  // The grid's ends, mu; 0.01 … 0.1 and 1 … 5. Too narrow: frictions outside come out as the end. Too wide:
-  // the step grows, and with it what no frame can distinguish.
+  // The grid's ends, mu; 0.01 … 0.1. Too narrow: frictions outside come out as the end. Too wide: the step
+  // grows, and with it what no frame can distinguish.
   double min_friction = 0.04;
-  double max_friction = 2.2;
+  double max_friction = kMostFriction;
 };
 
 class FrictionGrid {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/numeric/running_mean.hpp"
@@ -63,7 +64,6 @@ PillarBeds::PillarBeds(const TaxelLayout& layout, std::span<const double> fricti
 }
 
 void PillarBeds::clear() noexcept {
-  begun_ = false;
   seen_ = true;
   touching_ = 0;
   for (std::size_t j = 0; j < count_; ++j) loads_[j] = {};
@@ -83,18 +83,14 @@ void PillarBeds::follow(const ContactPatch& patch, double seconds) noexcept {
 
 void PillarBeds::sense(const ContactPatch& patch) noexcept {
   const TaxelView& taxels = patch.taxels;
-  const double gain = begun_ ? options_.gain : 1;
-  begun_ = true;
-  const double of_mean = sigma_of_mean(options_.gain);
-  noise_n_ = of_mean * area_m2_ * patch.noise_shear_pa;
-  const double least_n = kClearSigmas * of_mean * area_m2_ * patch.noise_normal_pa;
+  noise_n_ = area_m2_ * patch.noise_shear_pa;
+  const double least_n = kClearSigmas * area_m2_ * patch.noise_normal_pa;
   touching_ = 0;
   sensed_n_ = 0;
   goal_ = {};
   for (std::size_t i = 0; i < taxels_; ++i) {
-    pressed_[i] += gain * (area_m2_ * taxels.normal_pa[i] - pressed_[i]);
-    sheared_[i].x += gain * (area_m2_ * taxels.shear_x_pa[i] - sheared_[i].x);
-    sheared_[i].y += gain * (area_m2_ * taxels.shear_y_pa[i] - sheared_[i].y);
+    pressed_[i] = area_m2_ * taxels.normal_pa[i];
+    sheared_[i] = {area_m2_ * taxels.shear_x_pa[i], area_m2_ * taxels.shear_y_pa[i]};
     touches_[i] = pressed_[i] > least_n;
     if (!touches_[i]) continue;
     ++touching_;
@@ -169,7 +165,7 @@ double PillarBeds::misfit_of(std::size_t j) const noexcept {
   if (touching_ == 0) return 0;
   const auto pillars = static_cast<double>(touching_);
   const double floor = square(noise_n_) + square(options_.uneven_share * carried_n_ / pillars) +
-                       square(options_.uneven_pressure_share * sensed_n_ / pillars);
+                       square(kModelSigma * sensed_n_ / pillars);
   double sum = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
     if (!touches_[i]) continue;

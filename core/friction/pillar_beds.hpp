@@ -19,15 +19,9 @@ namespace slipd {
 
 // Set on tasks 1 to 16 of `slipd-lab grip`, and judged on others (docs/grip.md).
 struct PillarBedsOptions {
-  // Gain of the running means of what each pillar senses, frame by frame; 0.05 … 1. Too small: lags behind
-  // loads. Too large: a pillar that noise presses less for a frame slips in the model, and not in the world.
-  double gain = 0.6;
   // Standard deviation of what a pillar carries from what it should: of that and of the mean over all
   // pillars; 0.05 … 0.5. Too small: pillars of uneven stiffness pass for slip. Too large: learns slowly.
   double uneven_share = 0.25;
-  // The same by the mean pressure, whatever they carry; 0.005 … 0.1. Too small and too large: as above, of
-  // light pulls.
-  double uneven_pressure_share = 0.03;
   // Time in which what a bed carries is drawn to what is sensed, as far as its friction holds that, to 1/e;
   // s, 0.1 … 10. What is older shows in the posterior only. Too small: slow slip comes unseen. Too large: a
   // friction that has just become so is judged by slips that it would have had before.
@@ -82,8 +76,8 @@ class PillarBeds {
   PerPillar place_{};  // over the pad's size
   std::array<double, kMost> friction_{};
 
-  // Running means of this contact, N.
-  bool begun_ = false, seen_ = true;
+  bool seen_ = true;
+  // Of this frame, N.
   std::array<double, kMostPillars> pressed_{};
   PerPillar sheared_{};
   std::array<bool, kMostPillars> touches_{};

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/contact/scene.hpp"
 #include "core/frame/few_taxels.hpp"
 
 namespace slipd {
@@ -155,7 +156,7 @@ bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noe
 }
 
 bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
-  return shear_pa > options_.shear_factor * normal_pa &&
+  return shear_pa > kMostFriction * normal_pa &&
          around.greatest_shear_pa < options_.support_share * shear_pa && spreads(shear_pa, last_shear_pa_);
 }
 

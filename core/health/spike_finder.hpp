@@ -27,9 +27,6 @@ struct SpikeOptions {
   // shears off the contact is; 1.05 … 2. Too small: costs time. Too large: spikes little above the contact's
   // peak stay until the next look, and sigma is wide until then.
   double grown_factor = 1.25;
-  // Shear above the taxel's own pressure by this factor that stands alone is a spike; 1 … 10. Friction
-  // coefficients are below 2.
-  double shear_factor = 2;
 };
 
 class SpikeFinder {

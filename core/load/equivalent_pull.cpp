@@ -6,6 +6,7 @@
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -14,14 +15,14 @@ bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
   if (!(patch.radius_m > 0)) return false;
   const double torque_nm = std::fabs(patch.torque_nm), side = coarse(patch);
   const double least_share = kUnevenShare + kCoarseTorque * side * side;
-  const double sigmas = outweighs(patch) ? options_.outweighing_sigmas : kClearSigmas;
+  const double sigmas = outweighs(patch) ? kAlikeSigmas : kClearSigmas;
   return torque_nm > sigmas * patch.torque_sigma_nm &&
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
 bool EquivalentPull::changes_shear(const ContactPatch& patch, bool changed) const noexcept {
   const double torque_nm = std::fabs(patch.torque_nm);
-  return torque_nm > options_.changing_share * patch.shear_n * patch.radius_m &&
+  return torque_nm > kChanged * patch.shear_n * patch.radius_m &&
          (changed || torque_nm > kStandsOutSigmas * patch.torque_sigma_nm);
 }
 

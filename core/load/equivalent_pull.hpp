@@ -22,16 +22,10 @@ inline constexpr double kCoarseTorque = 0.1;
 // it changes the margin by less than 2.5 of its squares (§6.6). Checked with
 // tests/core/load/equivalent_pull_test.cpp.
 struct EquivalentPullOptions {
-  // Standard deviations above which a torque of more than outweighing_share of Q a is one on few taxels,
-  // where noise is a large part of it; 1 … 3, 0.2 … 2. Elsewhere it has to be clear. Below it sigma has what
-  // the torque would add to the pull. Too small: noise lowers margins. Too large: small torques are left out
-  // of margins.
-  double outweighing_sigmas = 1.5;
+  // A torque of more than this share of Q a, on few taxels, where noise is a large part of it, counts from
+  // kAlikeSigmas on, and until then sigma has what it would add to the pull; 0.2 … 2. Elsewhere it has to be
+  // clear. Too small: noise lowers margins. Too large: small torques are left out of margins.
   double outweighing_share = 0.4;
-  // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it, once the
-  // torque has stood out of noise; 0.02 … 0.3. Too small: frames that still are as under a pull go to the
-  // method for torque. Too large: margins and friction of pulls are given for fields that torque has changed.
-  double changing_share = 0.1;
   // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too
   // large: too low.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/contact/partial_slip.hpp"
 #include "core/frame/significance.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
@@ -73,10 +74,10 @@ void TorquePath::follow_direction(const ContactPatch& patch, double load_n, doub
     squares += step * step;
     along += step * now[i];
   }
-  if (!(squares > options_.step_share * options_.step_share * length)) return;
+  if (!(squares > contact::kIncrement * contact::kIncrement * length)) return;
   path_.across += std::sqrt(std::max(0.0, squares - along * along / length - 2 * noise * noise));
   path_.last = now;
-  path_.straight = path_.across < options_.step_share * std::sqrt(length);
+  path_.straight = path_.across < contact::kIncrement * std::sqrt(length);
 }
 
 // After a pull what sticks bears P - Q/mu, and traces of earlier loads are wiped where that falls below all
@@ -91,7 +92,7 @@ bool TorquePath::sticks_least(const ContactPatch& patch, const EquivalentPullRes
     return true;
   }
   const double noise_n = kClearSigmas * pull.pull_sigma_n / friction;
-  return stuck_n <= least_n + options_.stuck_share * patch.normal_n + noise_n;
+  return stuck_n <= least_n + kChanged * patch.normal_n + noise_n;
 }
 
 }  // namespace slipd

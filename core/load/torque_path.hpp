@@ -15,18 +15,11 @@ struct TorquePathOptions {
   // A load below this share of its maximum has fallen; 0.8 … 0.99. Too small: fields that slipped before and
   // stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
   double risen_share = 0.97;
-  // The load path is followed in steps of this share of the load, above half of the load's maximum, and is
-  // straight while the sum of its steps across the load is at most this share; 0.02 … 0.3. Too small: noise
-  // bends the path. Too large: bends are not detected, and other histories are read as a load that only rose.
-  double step_share = 0.12;
   // And while the normal force is above the reference grip by at most this share, and the load below its
   // maximum by no more; 0.005 … 0.05. A load kGrown times the largest one at the reference grip makes the
   // present grip the reference. Too small: noise is taken for a regrip, or for a fall. Too large: a rim whose
   // slip has reversed is read as a load near slip.
   double steady_share = 0.012;
-  // What sticks bears its least load within this share of P, and the noise of the pull; 0.01 … 0.1. Too
-  // small: noise is taken for a trace of an earlier load. Too large: such traces are read as friction.
-  double stuck_share = 0.05;
 };
 
 struct TorquePathState {

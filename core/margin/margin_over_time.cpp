@@ -10,6 +10,7 @@
 #include "core/friction/by_pillars.hpp"
 #include "core/friction/by_shape.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/reading/method/friction_prior.hpp"
 #include "core/reading/torque/torque_moment_ratio.hpp"
 
 namespace slipd {
@@ -40,8 +41,8 @@ Range shaped_bounds(const FrictionKnowledge& friction) {
 
 std::unique_ptr<FrictionFilter> by_forces(const FrictionKnowledge& friction,
                                           const MarginOverTimeOptions& options) {
-  return std::make_unique<FrictionByForces>(
-      prior_of(friction, options.prior), bounded(options.filter, friction.range(), options.force_only_slack));
+  return std::make_unique<FrictionByForces>(prior_of(friction, options.prior),
+                                            bounded(options.filter, friction.range(), kUnevenShare));
 }
 
 std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
@@ -161,7 +162,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
   }
   const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared));
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
-  const double known = has_torque(frame.reading) ? kSettledFriction : options_.known_sigma;
+  const double known = has_torque(frame.reading) ? kSettledFriction : kKnownFriction;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
   return now;
 }
@@ -256,7 +257,7 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
     MeanSigma margin;
     if (torque && reading->in_model) {
       margin = by_itself(*reading, out);
-    } else if (torque && !(now->relative() < kMostTurningSigma)) {
+    } else if (torque && !(now->relative() < kKnownFriction)) {
       margin = {now->margin.mean, std::numeric_limits<double>::infinity()};
     } else if (reading == nullptr || torque) {
       margin = by_memory(*now, reading);

@@ -22,15 +22,6 @@ struct MarginOverTimeOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
 
-  // How far the grid of a force-only sensor reaches beyond the range that was given, or that the scene
-  // expects; of log mu, 0.01 … 0.3. Of others it is kKnownFrictionSpread. Friction itself is
-  // given within the range. Too small: a friction at the range's end has no room for noise. Too large: the
-  // range is no bound.
-  double force_only_slack = 0.02;
-
-  // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
-  // comes late. Too large: it is advice from a guess.
-  double known_sigma = 0.3;
   // Friction is learnt when frames have left less than this of the prior's relative sigma; 0.1 … 0.95. Too
   // small: friction is given late. Too large: the prior is given for friction.
   double learnt_share = 0.6;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
@@ -34,9 +35,8 @@ bool HertzDeviation::hertzian(const HertzDeviationOptions& options) const noexce
 
 double HertzDeviation::sigma(const HertzDeviationOptions& options) const noexcept {
   constexpr double kHalfTilt = 0.5;  // costs half of what a large tilt does
-  return options.most_sigma * std::hypot(tilt / (kHalfTilt + tilt),
-                                         square(ellipticity / options.max_ellipticity),
-                                         excess_kurtosis / options.max_kurtosis);
+  return kFarSigma * std::hypot(tilt / (kHalfTilt + tilt), square(ellipticity / options.max_ellipticity),
+                                excess_kurtosis / options.max_kurtosis);
 }
 
 // <r^4>/<r^2>^2 of the pressure is 10/7 of a round contact, and half the square of its ellipticity more, as a

@@ -25,9 +25,6 @@ struct HertzDeviationOptions {
   // What a taxel that senses less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
   // Too small and too large: as above.
   double point_kurtosis = 0.2;
-  // Gamma's standard deviation at the greatest tilt, max_ellipticity or max_kurtosis; 0 … 0.3. Too small:
-  // sigma is less than the error on such contacts. Too large: it is more.
-  double most_sigma = 0.11;
   // From here on a frame gives no margin of its own; 0 … 1 and 0 … 0.5. Too small: usable contacts are
   // refused. Too large: margins are given for contacts of another kind, and sigma does not cover their error.
   double max_ellipticity = 0.5;

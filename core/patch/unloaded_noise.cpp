@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/pause.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -53,7 +54,7 @@ UnloadedNoise::Means UnloadedNoise::means_of(const Frame& frame) const noexcept 
 }
 
 void UnloadedNoise::update(const Frame& frame) noexcept {
-  const auto block_ns = static_cast<std::int64_t>(options_.block_s * 1e9);
+  const auto block_ns = static_cast<std::int64_t>(kBlock_s * 1e9);
   if (frames_ > 0 && frame.time_ns - began_ns_ >= block_ns) finish_block();
   if (frames_ == 0) {
     began_ns_ = frame.time_ns;
@@ -73,7 +74,7 @@ void UnloadedNoise::finish_block() noexcept {
 
 void UnloadedNoise::count(const Means& block) noexcept {
   ++blocks_;
-  mean_.move(block, std::max(1.0 / blocks_, options_.block_s / kDrift_s));
+  mean_.move(block, std::max(1.0 / blocks_, kBlock_s / kDrift_s));
   if (blocks_ < options_.min_blocks || !(mean_.normal_pa2 > 0)) return;
   noise_ = SensorNoise{.normal_pa = std::sqrt(mean_.normal_pa2),
                        .shear_pa = std::sqrt(mean_.shear_pa2),

@@ -34,10 +34,6 @@ inline constexpr double kShearOverNormal = 3;
 
 // Checked with `slipd-bench`.
 struct UnloadedNoiseOptions {
-  // Frames are counted in blocks of this time, s, 0.02 … 1, and a block only if it and the next one are
-  // unloaded in the mean. Too small: an approaching contact counts as noise. Too large: short pauses between
-  // grasps are not used.
-  double block_s = 0.1;
   // Blocks before the noise is known; 1 … 50. Too small: chance. Too large: the first grasp comes before it.
   int min_blocks = 2;
 };

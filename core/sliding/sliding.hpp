@@ -33,10 +33,11 @@ constexpr bool slides(std::optional<Sliding> sliding) noexcept {
   return sliding && *sliding >= Sliding::translation;
 }
 
-// Taxels that carry more than this of P against each other, share, 0.05 … 0.5, take the margin away and show no
-// friction: the object is turned, hooked, or pulled at in several places, and the margin of the sum is too
-// safe. Quiet grasps of real pillars reach 0.066; a round contact that slipped and was unloaded has 0.45 mu of
-// P locked in (docs/theory.md §4.1). Too small: margins come and go. Too large: such a grip is called safe.
+// Taxels that carry more than this of P against each other, share, 0.05 … 0.5, take the margin away and show
+// no friction: the object is turned, hooked, or pulled at in several places, and the margin of the sum is too
+// safe. Quiet grasps of real pillars reach 0.066; a round contact that slipped and was unloaded has 0.45 mu
+// of P locked in (docs/theory.md §4.1). Too small: margins come and go. Too large: such a grip is called
+// safe.
 inline constexpr double kMaxInternalShare = 0.25;
 
 // How the field of shear has gone since the contact settled. Of blocks (core/sliding/taxel_blocks.hpp).
@@ -94,15 +95,11 @@ struct SlidingOptions {
   // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide, and
   // shaking contacts never settle. Too large: slides are seen late.
   double sticking_pattern = 0.045;
-  // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
-  // late.
-  int confirming_blocks = 2;
   // Below this share of the held P the gripper opens, above that it grips anew; 0.5 … 0.9, 1.1 … 3. Sliding
-  // that was seen before ends below the third. Too near 1: a slide that frees the grip goes unseen. Too far:
-  // opening counts as sliding.
+  // that was seen before ends where it has fallen beyond kBeyondUsual. Too near 1: a slide that frees the
+  // grip goes unseen. Too far: opening counts as sliding.
   double opened_below = 0.75;
   double gripped_above = 1.5;
-  double let_go_below = 0.3;
   // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
   // Too large: shaking that begins counts as sliding.
   double follow_blocks = 20;
@@ -164,13 +161,13 @@ class SlidingDetector {
   double noise_factor_;  // of the mean noise of TV, that noise does not pass
   double trend_limit_;   // of a trend over its scatter
   bool has_pattern_;
-  bool raw_ = false;          // the blocks are of frames without a zero
-  bool armed_ = false;        // the contact has settled
-  std::size_t compared_ = 0;  // blocks since it settled, at most compared_blocks
-  double held_normal_ = 0;    // P of the hold
-  double pattern_noise_ = 0;  // mean TV of neighbouring blocks
-  double shear_noise_ = 0;    // mean change of q/P of neighbouring blocks
-  int suspicious_ = 0;        // blocks in a row
+  bool raw_ = false;              // the blocks are of frames without a zero
+  bool armed_ = false;            // the contact has settled
+  std::size_t compared_ = 0;      // blocks since it settled, at most compared_blocks
+  double held_normal_ = 0;        // P of the hold
+  double pattern_noise_ = 0;      // mean TV of neighbouring blocks
+  double shear_noise_ = 0;        // mean change of q/P of neighbouring blocks
+  std::uint32_t suspicious_ = 0;  // blocks in a row
   double moved_ = 0,
          moved_before_ = 0;  // of the pattern, over its limit: in the newest block, and in the one before
   std::optional<Sliding> now_;

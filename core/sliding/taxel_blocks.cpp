@@ -85,7 +85,7 @@ bool TaxelBlocks::add(const Frame& frame) noexcept {
   }
   const bool pooled = !cell_of_.empty();
   if (frames_ > 0 && pooled &&
-      frame.time_ns - pooled_ns_ < ns_of_s(options_.block_s / options_.pooled_frames) - kJitterNs)
+      frame.time_ns - pooled_ns_ < ns_of_s(kBlock_s / options_.pooled_frames) - kJitterNs)
     return completed;
   if (frames_ == 0) {
     if (size_ > 0) spacing_s_ = static_cast<double>(frame.time_ns - started_ns_) * kSecondsPerNs;
@@ -103,13 +103,13 @@ bool TaxelBlocks::add(const Frame& frame) noexcept {
 }
 
 bool TaxelBlocks::spans_block(std::int64_t passed_ns) const noexcept {
-  return passed_ns >= ns_of_s(options_.block_s) - kJitterNs;
+  return passed_ns >= ns_of_s(kBlock_s) - kJitterNs;
 }
 
 std::size_t TaxelBlocks::blocks_in(std::size_t blocks) const noexcept {
-  const double span_s = static_cast<double>(blocks) * options_.block_s;
+  const double span_s = static_cast<double>(blocks) * kBlock_s;
   return std::max<std::size_t>(
-      2, static_cast<std::size_t>(std::lround(span_s / std::max(options_.block_s, spacing_s_))));
+      2, static_cast<std::size_t>(std::lround(span_s / std::max(kBlock_s, spacing_s_))));
 }
 
 void TaxelBlocks::pool(const Frame& frame) noexcept {

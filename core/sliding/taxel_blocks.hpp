@@ -10,14 +10,12 @@
 
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
+#include "core/frame/pause.hpp"
 
 namespace slipd {
 
 // Checked with `slipd-bench`.
 struct TaxelBlockOptions {
-  // Time of a block, s, 0.01 … 0.2; a slower sensor's block is one frame. Too small: noise. Too large: a
-  // slide is seen late.
-  double block_s = 0.05;
   // Cells along each side of a layout with more taxels than cells; 4 … 16. Too small: a movement within a
   // cell goes unseen. Too large: noise.
   std::size_t cells_per_side = 8;
@@ -47,7 +45,7 @@ class TaxelBlocks {
   // the sensor's counts.
   const float* block(std::size_t ago) const noexcept;
   // Mean time between blocks, s.
-  double block_s() const noexcept { return options_.block_s; }
+  double block_s() const noexcept { return kBlock_s; }
   // How many blocks last as long as so many of block_s do; at least 2. A slow sensor's are longer.
   std::size_t blocks_in(std::size_t blocks) const noexcept;
   // Standard deviation of the newest block's values that is due to noise of single frames, as root mean

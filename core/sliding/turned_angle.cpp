@@ -15,6 +15,11 @@
 namespace slipd {
 namespace {
 
+// Share of the newest frame in the running mean, and frames whose mean is the pattern that angles are counted
+// from.
+constexpr double kNewestShare = kQuickGain;
+constexpr int kMeanFrames = static_cast<int>(1 / kQuickGain);
+
 // Timers jitter: a frame this much early is looked at.
 constexpr std::int64_t kEarlyNs = 500'000;
 
@@ -25,7 +30,7 @@ std::int64_t duration_ns(double seconds) noexcept {
 // A pattern that has not turned after the contact slid under its torque for as long as a contact takes to
 // settle belongs to the sensor.
 double pinned_s() noexcept {
-  return kSureFrames * TaxelBlockOptions().block_s;
+  return kSureFrames * kBlock_s;
 }
 
 }  // namespace
@@ -73,14 +78,14 @@ TurnFollower::Pattern TurnFollower::pattern_of(const ContactPatch& patch) const 
 // Follows the pattern, and sums up the one that angles are counted from once the grip has closed.
 void TurnFollower::take(const ContactPatch& patch, bool settled) noexcept {
   const Pattern pattern = pattern_of(patch);
-  const double share = begun_ ? options_.newest_share() : 1;
+  const double share = begun_ ? kNewestShare : 1;
   begun_ = true;
-  const double quieter = sigma_of_mean(options_.newest_share());
+  const double quieter = sigma_of_mean(kNewestShare);
   for (std::size_t m = 0; m < kOrders; ++m) {
     newest_.moments[m] += share * (pattern.moments[m] - newest_.moments[m]);
     newest_.noise[m] = pattern.noise[m] * quieter;
   }
-  if (!settled || frames_ == options_.mean_frames) return;
+  if (!settled || frames_ == kMeanFrames) return;
   if (frames_ == 0) reference_ = {};
   ++frames_;
   for (std::size_t m = 0; m < kOrders; ++m) {
@@ -147,18 +152,18 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   if (begun_ && time_ns - looked_ns_ < duration_ns(options_.spacing_s) - kEarlyNs) return answer_;
   looked_ns_ = time_ns;
   answer_.reset();
-  const bool counting = frames_ == options_.mean_frames;
+  const bool counting = frames_ == kMeanFrames;
   if (counting && time_ns - known_ns_ > duration_ns(kPause_s)) ended_ = true;
   // What lies beyond the sensor's edge turns as well.
   if (ended_ || patch.cut) return std::nullopt;
   take(patch, settled);
-  if (frames_ < options_.mean_frames) return std::nullopt;
+  if (frames_ < kMeanFrames) return std::nullopt;
   if (!counting) known_ns_ = time_ns;
   const double coarse = side_m_ / patch.radius_m;
   auto now = compare(kRimShare * coarse * coarse * coarse);
   if (!now || now->sigma_rad > options_.max_sigma_rad) return std::nullopt;
   // How far the followed pattern lags behind one that turns evenly.
-  const double lag = (1 - options_.newest_share()) / options_.newest_share() * (now->angle_rad - angle_rad_);
+  const double lag = (1 - kNewestShare) / kNewestShare * (now->angle_rad - angle_rad_);
   angle_rad_ = now->angle_rad;
   now->sigma_rad = norm(now->sigma_rad, lag);
   known_ns_ = time_ns;

@@ -19,12 +19,6 @@ struct TurnedAngleOptions {
   // Time between frames that are used, s, 0.005 … 0.05; of slower sensors all frames are used. Too small:
   // costs time. Too large: more noise, and fast turns are ambiguous.
   double spacing_s = 0.02;
-  // Frames whose mean is the pattern that angles are counted from, and that a running mean is of; 2 … 50. Too
-  // small: noise is in each angle. Too large: the angle lags behind, and a turn soon after the grip is not
-  // counted.
-  int mean_frames = 5;
-  // Share of the newest frame in the running mean.
-  double newest_share() const noexcept { return 2.0 / mean_frames; }
   // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
   // none. Too large: angles are imprecise.
   double max_sigma_rad = 0.1;

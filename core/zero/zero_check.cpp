@@ -5,9 +5,16 @@
 
 #include "core/frame/few_taxels.hpp"
 #include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
+#include "core/load/load_path.hpp"
 
 namespace slipd {
 namespace {
+
+// Share of its load by which a skin relaxes or springs back, and no load has fallen: one that was held while
+// the sensor was away may have changed by it, and a taxel is below its zero where it reads less by more than
+// this share of the greatest pressure that it had.
+constexpr auto kRelaxedShare = static_cast<float>(1 - kFallen);
 
 // `share` of the taxels, at least kBadTaxels, at most all.
 std::size_t count_of(std::size_t taxels, double share) noexcept {
@@ -42,7 +49,7 @@ bool ZeroCheck::agrees(const Frame& reading, const Bias& zero, std::span<const f
       like_zero = like_zero && std::abs(now - free) <= within;
       if (like_last) {
         const float load = std::abs(last_pa[i] - free);
-        like_last = std::abs(now - last_pa[i]) <= within + options_.relaxed_share * load;
+        like_last = std::abs(now - last_pa[i]) <= within + kRelaxedShare * load;
       }
     }
     as_zero += like_zero ? 1 : 0;
@@ -57,7 +64,7 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
   double lifted_pa = 0, pressed_pa = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
     const float load = reading.normal_pa[i] - zero.bias_pa[i];
-    const float far = tolerance_pa(zero, i, floors) + options_.relaxed_share * pressed_pa_[i];
+    const float far = tolerance_pa(zero, i, floors) + kRelaxedShare * pressed_pa_[i];
     if (load < -far) {
       ++below;
       lifted_pa -= load;
@@ -66,7 +73,7 @@ bool ZeroCheck::is_below(const Frame& reading, const Bias& zero, const Floors& f
     }
   }
   if (below < count_of(taxels_, kBadShare)) return false;
-  return lifted_pa > options_.below_over_pressed * pressed_pa || 2 * below > taxels_;
+  return lifted_pa > kBeyondUsual * pressed_pa || 2 * below > taxels_;
 }
 
 void ZeroCheck::note_pressed(std::span<const float> normal_pa, const Bias& zero) noexcept {

@@ -26,16 +26,6 @@ struct ZeroCheckOptions {
   // offsets that happen to be alike pass. Too large: a restart in mid-grasp is without a margin until the
   // object is let go.
   double agree_share = 0.25;
-  // Share of its load by which a skin relaxes or springs back; 0.02 … 0.2. A load that was held while the
-  // sensor was away may have changed by it, and a taxel is below its zero where it reads less by more than
-  // this share of the greatest pressure that it had. Too small: a skin that relaxes is taken for another
-  // sensor. Too large: an offset passes for a load, or hides.
-  float relaxed_share = 0.1F;
-  // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
-  // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
-  // was taken from a contact is used while another contact is there. More than half of the taxels far below
-  // contradict a zero whatever the others read.
-  double below_over_pressed = 4;
 };
 
 // Not thread-safe: the acquire thread's. Allocates in its constructor only.

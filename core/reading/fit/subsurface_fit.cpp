@@ -307,7 +307,7 @@ contact::Ellipse SubsurfaceFit::reach_of(const ContactPatch& patch,
 
 double SubsurfaceFit::layer_sigma(const Full& at) const noexcept {
   if (!bonded_) return 0;
-  return options_.layer_sigma * at[Model::margin] * std::clamp(at[Model::size] / depth_m_ - 1, 0.0, 1.0);
+  return kFarSigma * at[Model::margin] * std::clamp(at[Model::size] / depth_m_ - 1, 0.0, 1.0);
 }
 
 double SubsurfaceFit::misfit_nats() const noexcept {

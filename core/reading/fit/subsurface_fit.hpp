@@ -55,10 +55,6 @@ struct SubsurfaceFitOptions {
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
-  // Standard deviation of Gamma, over Gamma, of contacts at least twice as wide as a skin on a rigid base is
-  // thick, which are no half spaces' (docs/theory.md §5.5); 0 … 0.3. Too small: their margins are off by more
-  // than sigma says. Too large: they get none.
-  double layer_sigma = 0.12;
 };
 
 // Of an array; see FewTaxelsSubsurfaceFit for others.

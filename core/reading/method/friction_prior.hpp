@@ -10,6 +10,12 @@
 namespace slipd {
 
 // Checked with `slipd-lab histories --grasps 400` and `slipd-lab tradeoff`.
+// Friction whose sigma is below this is given with an estimate, and under a torque gives a margin, also by
+// memory; relative, 0.02 … 0.4. Too small: grip advice comes late, and only heavy torques get an answer. Too
+// large: advice is from a guess, and friction that a light pull has shown gives heavier loads margins that
+// are too safe.
+inline constexpr double kKnownFriction = 0.2;
+
 // Friction is open until its sigma is below this, and under a torque it is not given before; relative, 0.02 …
 // 0.3; far from slip also a margin with this standard deviation is. Too small: margins after a change stay
 // low, and only heavy loads are answered. Too large: margins are too safe, and light torques are answered by

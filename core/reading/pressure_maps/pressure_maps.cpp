@@ -67,7 +67,7 @@ bool PressureMaps::grown(const ContactPatch& patch, double normal_n) noexcept {
 
 bool PressureMaps::recorded(double normal_n) const noexcept {
   return maps_.size() >= options_.least_maps && maps_.force_n(0) <= normal_n / kGrown &&
-         kFallen * normal_n <= (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
+         normal_n <= options_.most_step * (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
 }
 
 bool PressureMaps::unmoved(const ContactPatch& patch, const RecordedMaps::Sum& today) const noexcept {
@@ -335,7 +335,7 @@ Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {
   SensedFrame sensed;
   if (!read_sensed(patch, normal_n, sensed)) return out;
   // The grip has tightened since it closed.
-  if (normal_n > options_.most_growth * most_n_) {
+  if (normal_n > (1 + options_.most_shear_sensed) * most_n_) {
     if (!sensed.summed) return out;
     maps_.add(skin_->without_pull(maps_), normal_n);
     most_n_ = normal_n;

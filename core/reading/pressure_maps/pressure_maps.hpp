@@ -26,15 +26,18 @@ namespace slipd {
 struct PressureMapsOptions {
   FrictionPriorOptions prior;
 
-  // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
-  // the beginning of a pull is taken for what pressing is sensed as.
+  // Under a skin, where shear is recorded as well, nothing pulls up to this share of P, and a force is the
+  // greatest recorded one; 0.001 … 0.02. Too small: a sensor that reads shear under a normal load records
+  // nothing, and noise of forces makes maps of loaded frames. Too large: the beginning of a pull is taken for
+  // what pressing is sensed as, and the contact has grown beyond its maps.
   double most_shear_sensed = 0.005;
+  // Beyond that, frames with a pull are recorded, too, if their pressure is the one that the maps go on to,
+  // up to this factor; 1.1 … 1.5. Too small: a quick regrip takes the margin away. Too large: maps do not go
+  // on so far, and a contact that has moved meanwhile is taken for one that has grown.
+  double most_step = 1.2;
   // The least number of maps for a margin; 4 … 32. Too few: interpolation between them is wrong. Too many: a
   // quick grip has no margin.
   std::size_t least_maps = 8;
-  // Under a skin the frame's force may exceed the greatest recorded one by this factor; 1.001 … 1.05. Too
-  // small: noise of forces makes maps of loaded frames. Too large: the contact has grown beyond its maps.
-  double most_growth = 1.005;
 };
 
 class PressureMaps final : public SlipMethod {

@@ -131,7 +131,7 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   const double sigma = norm(by_noise, rounded);
   const double slipping = plateau.normal_pa / frame_.normal_pa;
   frame_.all_slipped = slipping > kWhole;
-  if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
+  if (out.gamma > options_.max_gamma || plateau.width > kSettledFriction * plateau.ratio ||
       plateau.slope < -kClearSigmas * plateau.slope_sigma)
     return out;
   if (!(sigma < kSettledFriction) || slipping < options_.least_slipping * slipping_share(out.gamma))

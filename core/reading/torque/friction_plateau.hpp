@@ -35,9 +35,6 @@ struct FrictionPlateauOptions {
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;
-  // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
-  // sensors get no answer. Too large: as above.
-  double max_width = 0.1;
   // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
   // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0 … 1, 0 … 4.
   // Too small: sigma is less than the error. Too large: it is more.

@@ -72,7 +72,7 @@ bool TorqueMomentRatio::half_space(const Ratio& ratio, double gamma, double coar
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
   return std::fabs(ratio.fourth - expected) <
-         kUnevenShare + kCoarseTorque * coarse * coarse + kClearSigmas * ratio.noise;
+         options_.fourth_slack + kCoarseTorque * coarse * coarse + kClearSigmas * ratio.noise;
 }
 
 Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
@@ -105,7 +105,7 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
-  if (!(out.sigma < std::max(kMostTurningSigma * utilisation, kSettledFriction))) return out;
+  if (!(out.sigma < std::max(kKnownFriction * utilisation, kSettledFriction))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / utilisation;
   if (relative < kSettledFriction)
     out.friction_sigma = out.friction * norm(relative, loaded.shear_sigma_n / loaded.shear_n);

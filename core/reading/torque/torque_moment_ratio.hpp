@@ -17,11 +17,6 @@ namespace slipd {
 // rounded, and coarse arrays get no answer.
 inline constexpr double kRoundedGamma = 0.55;
 
-// Friction under torque whose relative standard deviation is below this gives a margin, also by memory; 0.02
-// … 0.4. Too small: only heavy loads get an answer. Too large: margins are imprecise, and friction that a
-// light pull has shown gives heavier loads margins that are too safe.
-inline constexpr double kMostTurningSigma = 0.18;
-
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with
 // `slipd-lab torque --sides 16,32`.
 struct TorqueMomentRatioOptions {
@@ -29,6 +24,10 @@ struct TorqueMomentRatioOptions {
   // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
+  // The ratio of fourth moments agrees with that of a half space within the sum of its noise, kCoarseTorque,
+  // and this; 0.02 … 0.2. Too small: half spaces are refused. Too large: Winkler foundations and other
+  // histories pass.
+  double fourth_slack = 0.05;
   // Contacts with a smaller side/a are answered above kRoundedGamma only; 0 … 0.4. Below it FrictionPlateau,
   // which assumes no half space, finds what slips. A skin like a Winkler foundation has ratios as a half
   // space near slip, so that a ratio of a large margin is none of it. Too small: such skins get margins that

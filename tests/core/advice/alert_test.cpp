@@ -7,6 +7,9 @@
 #include <random>
 #include <tuple>
 
+#include "core/frame/model_errors.hpp"
+#include "core/frame/significance.hpp"
+
 namespace slipd {
 namespace {
 
@@ -300,10 +303,11 @@ TEST(SlipForecast, NeedsTheWeightOfMoreThanTwoRecentSamples) {
   EXPECT_TRUE(forecast_of(2, 100, 13 * kMs));
 }
 
-// The surest margin has a sigma of 5e-4, a tenth of which over 0.0906 s is that of a slope; see below.
+// The surest margin has a sigma of kExactShare, a tenth of which over 0.0906 s is that of a slope; see below.
 TEST(SlipForecast, AFallThatTheSurestMarginDoesNotShowIsNone) {
-  EXPECT_FALSE(forecast_of(1.6e-3, 200));
-  EXPECT_TRUE(forecast_of(1.7e-3, 200));
+  constexpr double kLeast = kClearSigmas * 0.1 * kExactShare / 0.0906;
+  EXPECT_FALSE(forecast_of(0.97 * kLeast, 200));
+  EXPECT_TRUE(forecast_of(1.03 * kLeast, 200));
 }
 
 // The scatter of margins may be smaller than their error. At least a tenth of their sigma is therefore taken

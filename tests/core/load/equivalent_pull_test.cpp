@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame/significance.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 #include "tests/support/turning_frames.hpp"
@@ -139,7 +140,8 @@ TEST(EquivalentPull, OnFewTaxelsATorqueThatOutweighsThePullIsCountedOrCoveredByS
       patch.shear_sigma_n = 0.01 * patch.normal_n;
       return load->of(patch, TorqueEffect::none);
     };
-    const EquivalentPullResult counted = with(2, 0.02), covered = with(1, 0.02), pulled = with(1, 0.4);
+    const EquivalentPullResult counted = with(1.1 * kAlikeSigmas, 0.02), covered = with(1, 0.02),
+                               pulled = with(1, 0.4);
     EXPECT_EQ(counted.pull_n > 2 * 0.02 * patch.normal_n, coarse);
     EXPECT_EQ(covered.torque_effect, TorqueEffect::none);
     EXPECT_EQ(covered.pull_n, patch.normal_n * 0.02);
