@@ -51,7 +51,7 @@ void FrictionByPillars::weigh_frame() noexcept {
   for (std::size_t j = 0; j < grid().count(); ++j)
     residuals[j] =
         std::copysign(std::sqrt(beds_.misfit(j) - least), grid().friction(j) - grid().friction(best));
-  posterior_.weigh(Evidence::margin, residuals, options_.pillars_common_share, 1);
+  posterior_.weigh(Evidence::margin, residuals, options_.profile_common_share, 1);
 }
 
 }  // namespace slipd

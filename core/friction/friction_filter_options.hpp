@@ -44,8 +44,6 @@ struct FrictionFilterOptions {
   // What frames have in common of the error of a margin profile, of its noise; standard deviations, 0.01 … 1.
   // Too small: sigma is less than the error. Too large: learns slowly.
   double profile_common_share = 0.1;
-  // The same of the pillars of a pad, each of which stands a little otherwise than the model; 0.05 … 1.
-  double pillars_common_share = 0.2;
 
   // How far the slip moment of the likeliest friction's foundation may be from a monotonic load's and still
   // count as one: a share of Q, plus a share of mu P; 0.01 … 0.1 and 0.001 … 0.01. Too small: a monotonic

@@ -325,7 +325,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const double limit = std::max(options_.sticking_pattern, noise_factor_ * pattern_noise_);
   moved_before_ = std::exchange(moved_, std::max(0.0, moved / limit));
   suspicious_ = moved > limit ? suspicious_ + 1 : 0;
-  if (suspicious_ >= kSureFrames || moved > 2 * limit) return kind_since(compared_);
+  if (suspicious_ >= options_.confirming_blocks || moved > 2 * limit) return kind_since(compared_);
   if (suspicious_ == 0) {
     const Change last = change_since(1);
     pattern_noise_ += (last.pattern - pattern_noise_) / options_.follow_blocks;

@@ -95,6 +95,9 @@ struct SlidingOptions {
   // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide, and
   // shaking contacts never settle. Too large: slides are seen late.
   double sticking_pattern = 0.045;
+  // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
+  // late.
+  std::uint32_t confirming_blocks = 2;
   // Below this share of the held P the gripper opens, above that it grips anew; 0.5 … 0.9, 1.1 … 3. Sliding
   // that was seen before ends where it has fallen beyond kBeyondUsual. Too near 1: a slide that frees the
   // grip goes unseen. Too far: opening counts as sliding.
