@@ -15,10 +15,12 @@ struct TorquePathOptions {
   // A load below this share of its maximum has fallen; 0.8 … 0.99. Too small: fields that slipped before and
   // stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
   double risen_share = 0.97;
-  // And while the normal force is above the reference grip by at most this share, and the load below its
-  // maximum by no more; 0.005 … 0.05. A load kGrown times the largest one at the reference grip makes the
-  // present grip the reference. Too small: noise is taken for a regrip, or for a fall. Too large: a rim whose
-  // slip has reversed is read as a load near slip.
+  // The load path is followed in steps of contact::kIncrement of the load, above half of the load's maximum.
+  // It is straight while the sum of its steps across the load is at most that share, the normal force above
+  // the reference grip by at most this one, and the load below its maximum by no more; 0.005 … 0.05. A load
+  // kGrown times the largest one at the reference grip makes the present grip the reference. Too small: noise
+  // is taken for a regrip, or for a fall. Too large: a rim whose slip has reversed is read as a load near
+  // slip.
   double steady_share = 0.012;
 };
 

@@ -88,7 +88,7 @@ struct SlidingOptions {
   // large: small arrays show nothing.
   std::size_t min_cells = 4;
   // The longest time that the pattern is compared over, and what a trend needs without a zero; blocks of
-  // TaxelBlockOptions::block_s, 2 … TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large:
+  // kBlock_s, 2 … TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large:
   // relaxation and drift of the skin add up.
   std::size_t compared_blocks = 8;
   // TV that a pattern moves by without sliding: rolling, the skin's own give; share, 0.02 … 0.2. Arms that

@@ -46,7 +46,7 @@ class TaxelBlocks {
   const float* block(std::size_t ago) const noexcept;
   // Mean time between blocks, s.
   double block_s() const noexcept { return kBlock_s; }
-  // How many blocks last as long as so many of block_s do; at least 2. A slow sensor's are longer.
+  // How many blocks last as long as so many of kBlock_s do; at least 2. A slow sensor's are longer.
   std::size_t blocks_in(std::size_t blocks) const noexcept;
   // Standard deviation of the newest block's values that is due to noise of single frames, as root mean
   // square over all channels: that of the quietest blocks so far. 0: not known yet.

@@ -17,8 +17,8 @@ namespace {
 
 // Share of the newest frame in the running mean, and frames whose mean is the pattern that angles are counted
 // from.
-constexpr double kNewestShare = kQuickGain;
-constexpr int kMeanFrames = static_cast<int>(1 / kQuickGain);
+const double kNewestShare = kQuickGain;
+const int kMeanFrames = static_cast<int>(1 / kQuickGain);
 
 // Timers jitter: a frame this much early is looked at.
 constexpr std::int64_t kEarlyNs = 500'000;

@@ -14,7 +14,7 @@ namespace {
 // Share of its load by which a skin relaxes or springs back, and no load has fallen: one that was held while
 // the sensor was away may have changed by it, and a taxel is below its zero where it reads less by more than
 // this share of the greatest pressure that it had.
-constexpr auto kRelaxedShare = static_cast<float>(1 - kFallen);
+const auto kRelaxedShare = static_cast<float>(1 - kFallen);
 
 // `share` of the taxels, at least kBadTaxels, at most all.
 std::size_t count_of(std::size_t taxels, double share) noexcept {

@@ -35,8 +35,7 @@ struct MomentRatioOptions {
   // Share of both that is left where GridAliasing corrects the ratio: regular grids without a dead taxel in
   // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not sense
   // exactly the mean over their square. Too small: sigma is less than the error after a regrip or an
-  // unloading
-  // (`slipd-lab coverage --grasps 30 --of histories`). Too large: alerts come early.
+  // unloading (`slipd-lab coverage --grasps 30 --of histories`). Too large: alerts come early.
   double corrected_share = 0.6;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
   // frame. Too large: it learns slowly.

@@ -30,7 +30,7 @@ struct FrictionPlateauOptions {
   // stuck part is taken for the plateau. Too large: noise is.
   double start_share = 0.97;
   // Floor of a ratio's standard deviation, relative: gains of taxels; 0.002 … 0.05. Too small: gains scatter
-  // taxels out of the plateau. Too large: as above.
+  // taxels out of the plateau. Too large: taxels that stick draw it down.
   double gain_share = 0.01;
   // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
   // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
