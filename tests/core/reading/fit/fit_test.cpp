@@ -8,10 +8,9 @@
 #include <random>
 #include <vector>
 
+#include "core/numeric/iteration.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
-
-#include "core/numeric/iteration.hpp"
 
 namespace slipd {
 namespace {
