@@ -7,7 +7,6 @@
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/numeric/running_mean.hpp"
 
 namespace slipd {
 namespace {
