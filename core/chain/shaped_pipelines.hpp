@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/chain/shear_pipeline.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/reading/torque/torque_reading.hpp"
 
 namespace slipd {

@@ -25,16 +25,16 @@ inline constexpr std::size_t kBadTaxels = 3;
 // misjudged, and a touch of a small array is taken for its zero.
 inline constexpr std::size_t kLeastTaxels = 8;
 
-// Share of a contact, or of a sensor, that may be bad, 0.02 … 0.3: of the force that neighbours stand for, of
-// the contact's taxels that all read the greatest value, and of all taxels that read far below
-// the zero. Too small: a frame with a spike gives no margin, quantised values pass for saturation, and a bad
-// taxel contradicts a zero. Too large: on few taxels the margin is that of another contact, saturation is
-// believed, and a zero that was taken from a small contact is used.
+// The largest share of bad taxels that is tolerated; 0.02 … 0.3. Of the contact's force, if neighbours stand
+// for them; of the contact's taxels, if all of them read the greatest value; of the sensor's taxels, if they
+// read far below the zero. Too small: a frame with a spike gives no margin, quantised values pass for
+// saturation, and a bad taxel contradicts a zero. Too large: on few taxels the margin is that of another
+// contact, saturation is believed, and a zero that was taken from a small contact is used.
 inline constexpr double kBadShare = 0.1;
 
-// A contact of a smaller radius, in sides, is not told from single taxels that are bad, 1 … 3. Too small:
-// small contacts are taken for dead taxels, and those smaller than a taxel for spikes. Too large: bad taxels
-// are believed.
+// The smallest radius, in taxel sides, of a contact that is distinguished from single bad taxels; 1 … 3. Too
+// small: small contacts are taken for dead taxels, and those smaller than a taxel for spikes. Too large: bad
+// taxels are believed.
 inline constexpr double kResolvedSides = 1.5;
 
 // Taxels that stand for all of a large sensor, evenly chosen, where a sum over all would only cost time; 32 …

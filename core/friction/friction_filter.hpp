@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <span>
 
-#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/friction/friction_filter_options.hpp"
 #include "core/friction/friction_posterior.hpp"

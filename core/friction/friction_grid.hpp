@@ -14,8 +14,8 @@ namespace slipd {
 
 // Checked with `slipd-lab histories --grasps 400` and `slipd-lab tradeoff --layouts 4,wrench`.
 struct FrictionGridOptions {
-  // The grid's ends, mu; 0.01 … 0.1. Too narrow: frictions outside come out as the end. Too wide: the step
-  // grows, and with it what no frame can distinguish.
+  // The grid's ends, mu; the lower one 0.01 … 0.1. Too narrow: frictions outside come out as the end. Too
+  // wide: the step grows, and with it what no frame can distinguish.
   double min_friction = 0.04;
   double max_friction = kMostFriction;
 };

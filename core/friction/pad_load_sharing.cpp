@@ -5,7 +5,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"

@@ -6,6 +6,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/frame/few_taxels.hpp"
+#include "core/health/usual.hpp"
 
 namespace slipd {
 namespace {

@@ -13,7 +13,6 @@
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/health/limits.hpp"
-#include "core/health/usual.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {

@@ -8,6 +8,7 @@
 
 #include "core/contact/limit_surface.hpp"
 #include "core/frame/layout.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/patch/patch.hpp"
 #include "core/patch/pressure_cells.hpp"
 

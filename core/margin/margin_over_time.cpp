@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/friction/by_forces.hpp"
 #include "core/friction/by_pillars.hpp"

@@ -104,8 +104,8 @@ struct PatchOptions {
   // large: hollow contacts are filled.
   double dead_below_share = 0.1;
   double dead_within_share = 0.8;
-  // Share of the disc's taxels that may be dead; 0.05 … 0.5. Too small: bad arrays are not repaired. Too
-  // large: hollow contacts are filled.
+  // The largest share of dead taxels in the disc that neighbours stand for; 0.05 … 0.5. Too small: arrays
+  // with many dead taxels are not repaired. Too large: hollow contacts are filled.
   double most_dead_share = 0.25;
   // Neighbours that sense something, to stand for a dead taxel; 1 … 4. Too small: rows of dead taxels are
   // guessed. Too large: dead taxels beside others stay.

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/frame/pause.hpp"
 #include "core/health/usual.hpp"
 #include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
@@ -36,9 +37,9 @@ double student_limit(double p, double freedom) {
 
 // The largest net change of a straight line over `blocks`, over its scatter, that independent noise reaches
 // as often as allowed. slope = t scatter / sqrt(sum of squared times).
-double trend_limit_of(double false_alarms_per_hour, double block_s, const SlidingOptions& options) {
+double trend_limit_of(double false_alarms_per_hour, const SlidingOptions& options) {
   const auto n = static_cast<double>(TaxelBlocks::kKept);
-  const double windows_per_hour = kSecondsPerHour / (block_s * n);
+  const double windows_per_hour = kSecondsPerHour / (kBlock_s * n);
   const double p = std::min(0.01, false_alarms_per_hour / windows_per_hour);
   const double freedom = options.independent_share * (n - 2);
   const double squared_times = n * (n * n - 1) / 12;
@@ -69,10 +70,10 @@ SlidingDetector::SlidingDetector(const TaxelLayout& layout, double false_alarms_
       blocks_(layout),
       relaxed_(options.sticking_pattern / kPatternPerLogNormal),
       has_pattern_(blocks_.cells() >= options.min_cells) {
-  const double blocks_per_hour = kSecondsPerHour / blocks_.block_s();
+  const double blocks_per_hour = kSecondsPerHour / kBlock_s;
   noise_factor_ =
       1 + kFoldedScatter * gaussian_limit(std::min(0.01, false_alarms_per_hour / blocks_per_hour));
-  trend_limit_ = trend_limit_of(false_alarms_per_hour, blocks_.block_s(), options);
+  trend_limit_ = trend_limit_of(false_alarms_per_hour, options);
   settled_.resize(3 * blocks_.cells());
 }
 

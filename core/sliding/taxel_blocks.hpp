@@ -45,7 +45,6 @@ class TaxelBlocks {
   // the sensor's counts.
   const float* block(std::size_t ago) const noexcept;
   // Mean time between blocks, s.
-  double block_s() const noexcept { return kBlock_s; }
   // How many blocks last as long as so many of kBlock_s do; at least 2. A slow sensor's are longer.
   std::size_t blocks_in(std::size_t blocks) const noexcept;
   // Standard deviation of the newest block's values that is due to noise of single frames, as root mean

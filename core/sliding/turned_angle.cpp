@@ -15,9 +15,8 @@
 namespace slipd {
 namespace {
 
-// Share of the newest frame in the running mean, and frames whose mean is the pattern that angles are counted
-// from.
-const double kNewestShare = kQuickGain;
+// Frames whose mean is the pattern that angles are counted from: as many as a running mean of kQuickGain is
+// of.
 const int kMeanFrames = static_cast<int>(1 / kQuickGain);
 
 // Timers jitter: a frame this much early is looked at.
@@ -78,9 +77,9 @@ TurnFollower::Pattern TurnFollower::pattern_of(const ContactPatch& patch) const 
 // Follows the pattern, and sums up the one that angles are counted from once the grip has closed.
 void TurnFollower::take(const ContactPatch& patch, bool settled) noexcept {
   const Pattern pattern = pattern_of(patch);
-  const double share = begun_ ? kNewestShare : 1;
+  const double share = begun_ ? kQuickGain : 1;
   begun_ = true;
-  const double quieter = sigma_of_mean(kNewestShare);
+  const double quieter = sigma_of_mean(kQuickGain);
   for (std::size_t m = 0; m < kOrders; ++m) {
     newest_.moments[m] += share * (pattern.moments[m] - newest_.moments[m]);
     newest_.noise[m] = pattern.noise[m] * quieter;
@@ -163,7 +162,7 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   auto now = compare(kRimShare * coarse * coarse * coarse);
   if (!now || now->sigma_rad > options_.max_sigma_rad) return std::nullopt;
   // How far the followed pattern lags behind one that turns evenly.
-  const double lag = (1 - kNewestShare) / kNewestShare * (now->angle_rad - angle_rad_);
+  const double lag = (1 - kQuickGain) / kQuickGain * (now->angle_rad - angle_rad_);
   angle_rad_ = now->angle_rad;
   now->sigma_rad = norm(now->sigma_rad, lag);
   known_ns_ = time_ns;

@@ -8,6 +8,7 @@
 
 #include "core/chain/setup/sensor_kind.hpp"
 #include "core/contact/scene_draws.hpp"
+#include "core/frame/few_taxels.hpp"
 #include "core/patch/square_blocks.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/pressure_maps/pressure_maps.hpp"

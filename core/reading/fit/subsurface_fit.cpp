@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/contact/subsurface/subsurface.hpp"
+#include "core/frame/few_taxels.hpp"
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/bounded_step.hpp"
@@ -96,7 +97,6 @@ SubsurfaceFit::Full SubsurfaceFit::stepped(const Full& from, const Vector& step)
 
 void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
   Model::Normal trial_normal;
-  const double settled = options_.settled_nats;
   double damping = fit_.first_damping, gained = std::numeric_limits<double>::infinity();
   best.converged = false;
   if (!best.known) {
@@ -110,7 +110,8 @@ void SubsurfaceFit::minimise(int unknowns, Minimum& best) noexcept {
     const Full trial = stepped(best.evaluated, step);
     if (!trial.allFinite()) break;
     // Half the squared length of the step in standard deviations, as it would be without damping.
-    if (gained < settled || -0.5 * (1 + damping) * step.dot(best.normal.gradient) < settled) {
+    if (gained < options_.settled_nats ||
+        -0.5 * (1 + damping) * step.dot(best.normal.gradient) < options_.settled_nats) {
       best.at = trial;
       best.converged = true;
       break;

@@ -23,7 +23,6 @@
 
 #include "core/contact/scene.hpp"
 #include "core/contact/subsurface/subsurface.hpp"
-#include "core/frame/few_taxels.hpp"
 #include "core/patch/hertz_deviation.hpp"
 #include "core/reading/fit/fit_options.hpp"
 #include "core/reading/fit/normal_equations/contact_shape.hpp"

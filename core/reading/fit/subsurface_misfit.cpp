@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"

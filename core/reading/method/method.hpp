@@ -9,7 +9,6 @@
 
 #include "core/contact/shear_moments.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/frame/model_errors.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/work_precision.hpp"
 

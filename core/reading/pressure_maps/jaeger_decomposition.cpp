@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/model_errors.hpp"
 #include "core/reading/method/method.hpp"
 
 namespace slipd {

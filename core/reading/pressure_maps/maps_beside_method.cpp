@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/frame/model_errors.hpp"
 #include "core/reading/moments/moments.hpp"
 
 namespace slipd {

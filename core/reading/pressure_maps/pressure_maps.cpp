@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/health/usual.hpp"
 #include "core/load/load_path.hpp"

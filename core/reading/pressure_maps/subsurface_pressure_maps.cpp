@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/frame/model_errors.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/reading/method/method.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/reading/method/friction_prior.hpp"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/contact/contact_field.hpp"
+#include "core/frame/model_errors.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
