@@ -24,4 +24,7 @@ inline constexpr double kStandsOutSigmas = 5;
 // slip. Too large: friction is learnt late, on few taxels above all, and light contacts are not compared.
 inline constexpr double kStrongSigmas = 10;
 
+// Standard deviations below a mean that 95 % of a Gaussian lie above.
+inline constexpr double kOneSided95 = 1.645;
+
 }  // namespace slipd

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/frame/model_errors.hpp"
+#include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {
@@ -52,9 +53,10 @@ void FrictionGrid::conclude() noexcept {
 }
 
 // Median, and half of what lies between the quantiles of one standard deviation: a change of friction that
-// may have been, with a small weight far away, does not widen what is known of the present one. What lies
-// between two points of the grid is not distinguished.
+// may have been, with a small weight far away, does not widen what is known of the present one; only the
+// quantile of 5 % counts it. What lies between two points of the grid is not distinguished.
 FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
+  constexpr double kLeast = 0.05;
   constexpr double kLow = 0.1587, kHigh = 0.8413;  // of a Gaussian, one standard deviation on either side
   Quantiles out;
   double below = 0;
@@ -63,6 +65,7 @@ FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
     const auto place = [&](double share) {
       return friction_[j] * std::exp(step_ * ((share - below) / weight_[j] - 0.5));
     };
+    if (below < kLeast && with_it >= kLeast) out.least = place(kLeast);
     if (below < kLow && with_it >= kLow) out.low = place(kLow);
     if (below < 0.5 && with_it >= 0.5) out.middle = place(0.5);
     if (below < kHigh && with_it >= kHigh) {
@@ -77,6 +80,11 @@ FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
 MeanSigma FrictionGrid::friction() const noexcept {
   const Quantiles& mu = quantiles_;
   return {mu.middle, norm(0.5 * (mu.high - mu.low), kUnevenShare * mu.middle)};
+}
+
+double FrictionGrid::least_friction() const noexcept {
+  const double middle = quantiles_.middle;
+  return std::max(0.0, middle - norm(middle - quantiles_.least, kOneSided95 * kUnevenShare * middle));
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {

@@ -43,6 +43,9 @@ class FrictionGrid {
   // mu, with its floor of sigma.
   MeanSigma friction() const noexcept;
 
+  // mu that friction exceeds with 95 % confidence.
+  double least_friction() const noexcept;
+
   // 1/mu, and its standard deviation.
   MeanSigma inverse_friction() const noexcept;
 
@@ -54,7 +57,7 @@ class FrictionGrid {
 
  private:
   struct Quantiles {
-    double low = 0, middle = 0, high = 0;  // mu
+    double least = 0, low = 0, middle = 0, high = 0;  // mu
   };
   Quantiles quantiles() const noexcept;
   void conclude() noexcept;

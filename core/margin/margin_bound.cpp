@@ -13,14 +13,10 @@ double greatest(const MeanSigma& value) noexcept {
 
 }  // namespace
 
-double MarginBound::least_friction(const Estimate& out) const noexcept {
-  if (!out.friction) return known_.low;
-  return std::max(known_.low, *out.friction - kOneSided95 * out.friction_sigma.value_or(0));
-}
-
 void MarginBound::apply(const SurfaceLoad& load, double internal_n, MarginDecision& decision,
                         Estimate& out) const noexcept {
-  const double limit_n = least_friction(out) * (load.normal_n.mean - kOneSided95 * load.normal_n.sigma);
+  const double limit_n = decision.least_friction().value_or(known_.low) *
+                         (load.normal_n.mean - kOneSided95 * load.normal_n.sigma);
   out.limit_low_n = std::max(0.0, limit_n);
   const double pull_n = (1 + kOneSided95 * load.common_sigma) *
                         std::max(greatest(load.pull_n), greatest(load.shear_n) + internal_n);

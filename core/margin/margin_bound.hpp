@@ -15,13 +15,12 @@ class MarginBound {
   explicit MarginBound(Range known) noexcept : known_(known) {}
 
   // internal_n: force that taxels carry against each other, N, >= 0, as if it came on top: no more than that
-  // is used up of friction. Friction is that of `out`. Bounds the decision, and writes limit_low_n.
+  // is used up of friction. Friction is the least that `decision` relies on, or else the low end of what is
+  // known. Bounds the decision, and writes limit_low_n.
   void apply(const SurfaceLoad& load, double internal_n, MarginDecision& decision,
              Estimate& out) const noexcept;
 
  private:
-  double least_friction(const Estimate& out) const noexcept;
-
   const Range known_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
 
 namespace slipd {

@@ -11,9 +11,6 @@
 
 namespace slipd {
 
-// Standard deviations below a mean that 95 % of a Gaussian lie above.
-inline constexpr double kOneSided95 = 1.645;
-
 class MarginDecision {
  public:
   // Of one frame. sigma_max: Gamma, > 0; a margin that is less sure means nothing: state learning.
@@ -31,6 +28,11 @@ class MarginDecision {
   void fail() noexcept { failed_ = true; }
   // Something else leaves the margin open by this standard deviation, Gamma, >= 0, independent of the rest.
   void widen(double sigma) noexcept;
+
+  // With 95 % confidence friction is above this, mu >= 0.
+  void rely_on(double least_friction) noexcept { least_friction_ = least_friction; }
+  // As said last; nothing: frames do not show it.
+  std::optional<double> least_friction() const noexcept { return least_friction_; }
 
   // The margin that holds with 95 % confidence by forces and friction, 0 to 1. With a margin that stands,
   // that one's own lower end counts as well.
@@ -60,7 +62,7 @@ class MarginDecision {
   std::optional<MeanSigma> margin_;
   double widened_ = 0;   // standard deviation by all that is independent of the margin's own
   double left_out_ = 0;  // share
-  std::optional<double> low_;
+  std::optional<double> least_friction_, low_;
 };
 
 }  // namespace slipd

@@ -115,10 +115,12 @@ void MarginOverTime::propose(const MeanSigma& margin, const MarginInput& frame, 
 }
 
 // It has a better value of friction than the frames before under a lighter load, whose taxels nearly slipped.
-MeanSigma MarginOverTime::by_itself(const Reading& reading, Estimate& out) const noexcept {
+MeanSigma MarginOverTime::by_itself(const Reading& reading, MarginDecision& decision,
+                                    Estimate& out) const noexcept {
   if (reading.friction_sigma < kSettledFriction * reading.friction) {
     out.friction = reading.friction;
     out.friction_sigma = reading.friction_sigma;
+    decision.rely_on(reading.friction - kOneSided95 * reading.friction_sigma);
   }
   return {reading.gamma, reading.sigma};
 }
@@ -162,6 +164,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
     return std::nullopt;
   }
   const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared));
+  decision.rely_on(std::max(bounds_.low, filter_->grid().least_friction()));
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
   const double known = has_torque(frame.reading) ? kSettledFriction : kKnownFriction;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
@@ -257,7 +260,7 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
     const bool torque = has_torque(reading);
     MeanSigma margin;
     if (torque && reading->in_model) {
-      margin = by_itself(*reading, out);
+      margin = by_itself(*reading, decision, out);
     } else if (torque && !(now->relative() < kKnownFriction)) {
       margin = {now->margin.mean, std::numeric_limits<double>::infinity()};
     } else if (reading == nullptr || torque) {
@@ -313,6 +316,7 @@ std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput
   }
   const MeanSigma load = filter_->traction_ratio();
   const Now now = now_with(filter_->grid().margin(load.mean, load.sigma));
+  decision.rely_on(std::max(bounds_.low, filter_->grid().least_friction()));
   give_friction(now.friction, out);
   return now;
 }
@@ -337,7 +341,7 @@ void GivenByShape::estimate(const MarginInput& frame, MarginDecision& decision, 
   const Reading* const reading = frame.reading;
   MeanSigma margin = now->margin;
   if (has_torque(reading)) {
-    if (reading->in_model) margin = by_itself(*reading, out);
+    if (reading->in_model) margin = by_itself(*reading, decision, out);
   } else if (reading != nullptr && !alone) {
     margin = better_of(margin, own_margin(*reading), *reading, out);
   }

@@ -87,7 +87,7 @@ class MarginOverTime : public MarginSource {
   void propose(const MeanSigma& margin, const MarginInput& frame, MarginDecision& decision,
                Estimate& out) const noexcept;
   // Of a frame whose torque shows friction by itself (Reading::turning, in_model).
-  MeanSigma by_itself(const Reading& reading, Estimate& out) const noexcept;
+  MeanSigma by_itself(const Reading& reading, MarginDecision& decision, Estimate& out) const noexcept;
   // The frame's own margin, with the history that the likeliest friction's contact has had.
   MeanSigma own_margin(const Reading& reading) const noexcept;
   // `own` where it agrees with `margin`, by friction, and is the surer one.

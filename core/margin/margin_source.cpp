@@ -1,6 +1,9 @@
 #include "core/margin/margin_source.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 
@@ -14,6 +17,7 @@ void SingleFrameMargin::estimate(const MarginInput& frame, MarginDecision& decis
   if (!std::isfinite(reading.friction_sigma)) return;
   out.friction = reading.friction;
   out.friction_sigma = reading.friction_sigma;
+  decision.rely_on(std::max(0.0, reading.friction - kOneSided95 * reading.friction_sigma));
 }
 
 }  // namespace slipd

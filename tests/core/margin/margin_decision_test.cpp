@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/frame/model_errors.hpp"
+#include "core/frame/significance.hpp"
 
 namespace slipd {
 namespace {
