@@ -49,8 +49,8 @@ void print(const TrialResult& trial, const TrialResult& deaf) {
       describe(trial.task).c_str(), 1e3 * trial.moved_m, trial.mean_force_n, trial.most_force_n,
       100 * trial.known_share, 1e3 * deaf.moved_m);
   for (const Probe& probe : trial.probes)
-    std::printf(" %.2f %.2f %.2f %.2f;", probe.truth, probe.turning_truth, probe.gamma.value_or(std::nan("")),
-                probe.gamma_low.value_or(std::nan("")));
+    std::printf(" %.2f %.2f %.2f %.2f;", probe.truth.until_sliding, probe.truth.until_turning,
+                probe.gamma.value_or(std::nan("")), probe.gamma_low.value_or(std::nan("")));
   std::printf("\n");
 }
 

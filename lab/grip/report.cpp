@@ -32,6 +32,39 @@ double share(std::size_t part, std::size_t all) {
   return all == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(all);
 }
 
+GripSummary::Against against(const std::vector<TrialResult>& trials, double TrueMargins::*which) {
+  std::vector<double> forces, known_forces;
+  double error = 0;
+  std::size_t too_safe = 0, low_above = 0, lows = 0;
+  for (const TrialResult& trial : trials) {
+    for (const Probe& probe : trial.probes) {
+      const double truth = probe.truth.*which;
+      forces.push_back(1 / (1 - std::min(truth, kMostMargin)));
+      if (probe.gamma_low) {
+        ++lows;
+        low_above += *probe.gamma_low > truth ? 1 : 0;
+      }
+      if (!probe.gamma) continue;
+      known_forces.push_back(forces.back());
+      error += std::abs(*probe.gamma - truth);
+      too_safe += *probe.gamma > truth + kTooSafe ? 1 : 0;
+    }
+  }
+  return {.force_over_least = median(forces),
+          .force_over_least_known = median(known_forces),
+          .margin_error = error / static_cast<double>(known_forces.size()),
+          .too_safe_share = share(too_safe, known_forces.size()),
+          .low_above_truth_share = share(low_above, lows)};
+}
+
+nlohmann::json to_json(const GripSummary::Against& against) {
+  return {{"force_over_least", against.force_over_least},
+          {"force_over_least_known", against.force_over_least_known},
+          {"margin_error", against.margin_error},
+          {"too_safe_share", against.too_safe_share},
+          {"low_above_truth_share", against.low_above_truth_share}};
+}
+
 }  // namespace
 
 GripSummary summarise(const std::vector<TrialResult>& listening, const std::vector<TrialResult>& deaf) {
@@ -41,41 +74,20 @@ GripSummary summarise(const std::vector<TrialResult>& listening, const std::vect
                   .dropped = count(listening, is_dropped),
                   .moved = count(listening, is_moved),
                   .deaf_dropped = count(deaf, is_dropped),
-                  .deaf_moved = count(deaf, is_moved)};
-  std::vector<double> forces, known_forces, reactions;
-  double error = 0, turning_error = 0;
-  std::size_t too_safe = 0, turning_too_safe = 0, low_above = 0, lows = 0;
+                  .deaf_moved = count(deaf, is_moved),
+                  .sliding = against(listening, &TrueMargins::until_sliding),
+                  .turning = against(listening, &TrueMargins::until_turning)};
+  std::vector<double> reactions;
   for (const TrialResult& trial : listening) {
     sum.known_share += trial.known_share / static_cast<double>(listening.size());
     reactions.insert(reactions.end(), trial.reactions_frames.begin(), trial.reactions_frames.end());
     sum.unanswered_slides += static_cast<std::size_t>(trial.slides_unanswered);
-    for (const Probe& probe : trial.probes) {
-      ++sum.probes;
-      const double over_least = 1 / (1 - std::min(probe.truth, kMostMargin));
-      forces.push_back(over_least);
-      if (probe.gamma_low) {
-        ++lows;
-        low_above += *probe.gamma_low > probe.truth ? 1 : 0;
-      }
-      if (!probe.gamma) continue;
-      ++sum.known_probes;
-      known_forces.push_back(over_least);
-      error += std::abs(*probe.gamma - probe.truth);
-      too_safe += *probe.gamma > probe.truth + kTooSafe ? 1 : 0;
-      turning_error += std::abs(*probe.gamma - probe.turning_truth);
-      turning_too_safe += *probe.gamma > probe.turning_truth + kTooSafe ? 1 : 0;
-    }
+    sum.probes += trial.probes.size();
+    for (const Probe& probe : trial.probes) sum.known_probes += probe.gamma ? 1 : 0;
   }
   sum.answered_slides = reactions.size();
   sum.reaction_median_frames = median(reactions);
   sum.reaction_p99_frames = quantile(reactions, 0.99);
-  sum.force_over_least = median(forces);
-  sum.force_over_least_known = median(known_forces);
-  sum.margin_error = error / static_cast<double>(sum.known_probes);
-  sum.too_safe_share = share(too_safe, sum.known_probes);
-  sum.turning_error = turning_error / static_cast<double>(sum.known_probes);
-  sum.turning_too_safe_share = share(turning_too_safe, sum.known_probes);
-  sum.low_above_truth_share = share(low_above, lows);
   return sum;
 }
 
@@ -83,18 +95,19 @@ void print_table(const GripSummary& s, double creep_mm_per_min) {
   std::printf("| | %zu tasks |\n|---|---|\n", s.tasks);
   std::printf("| dropped, moved more than 5 mm, listening | %zu, %zu |\n", s.dropped, s.moved);
   std::printf("| the same, deaf, with the same mean force | %zu, %zu |\n", s.deaf_dropped, s.deaf_moved);
-  std::printf(
-      "| force over the least that holds, median: of all probes, of those with a margin | %.2f, %.2f |\n",
-      s.force_over_least, s.force_over_least_known);
-  std::printf("| frames of the holds with a margin | %.0f %% |\n", 100 * s.known_share);
-  std::printf(
-      "| margin against the true one: mean error, overestimates by more than 0.2 (%zu of %zu probes have a "
-      "margin) | "
-      "%.3f, %.1f %% |\n",
-      s.known_probes, s.probes, s.margin_error, 100 * s.too_safe_share);
-  std::printf("| the same, of the margin until the object slides or turns | %.3f, %.1f %% |\n",
-              s.turning_error, 100 * s.turning_too_safe_share);
-  std::printf("| gamma_low above the true margin | %.1f %% |\n", 100 * s.low_above_truth_share);
+  std::printf("| frames of the holds, and probes, with a margin | %.0f %%, %zu of %zu |\n",
+              100 * s.known_share, s.known_probes, s.probes);
+  std::printf("| until the object: | slides; slides or turns |\n");
+  std::printf("| force over the least that holds, median of all probes | %.2f; %.2f |\n",
+              s.sliding.force_over_least, s.turning.force_over_least);
+  std::printf("| the same, of those with a margin | %.2f; %.2f |\n", s.sliding.force_over_least_known,
+              s.turning.force_over_least_known);
+  std::printf("| margin against the true one: mean error | %.3f; %.3f |\n", s.sliding.margin_error,
+              s.turning.margin_error);
+  std::printf("| overestimates by more than 0.2 | %.1f; %.1f %% |\n", 100 * s.sliding.too_safe_share,
+              100 * s.turning.too_safe_share);
+  std::printf("| gamma_low above the true margin | %.1f; %.1f %% |\n", 100 * s.sliding.low_above_truth_share,
+              100 * s.turning.low_above_truth_share);
   std::printf(
       "| slides in the holds that more force answers, after frames: median, p99; others, which end by "
       "themselves | %zu: %.0f, %.0f; %zu |\n",
@@ -108,14 +121,9 @@ nlohmann::json to_json(const GripSummary& s, double creep_mm_per_min) {
           {"moved", s.moved},
           {"deaf_dropped", s.deaf_dropped},
           {"deaf_moved", s.deaf_moved},
-          {"force_over_least", s.force_over_least},
-          {"force_over_least_known", s.force_over_least_known},
           {"known_share", s.known_share},
-          {"margin_error", s.margin_error},
-          {"too_safe_share", s.too_safe_share},
-          {"turning_error", s.turning_error},
-          {"turning_too_safe_share", s.turning_too_safe_share},
-          {"low_above_truth_share", s.low_above_truth_share},
+          {"until_sliding", to_json(s.sliding)},
+          {"until_turning", to_json(s.turning)},
           {"answered_slides", s.answered_slides},
           {"unanswered_slides", s.unanswered_slides},
           {"reaction_median_frames", s.reaction_median_frames},

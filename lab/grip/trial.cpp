@@ -113,12 +113,8 @@ class Reactions {
 };
 
 Probe probe(const World& world, Bed& bed) {
-  Probe probe{.time_s = world.time_s(),
-              .truth = 0,
-              .turning_truth = 0,
-              .gamma = {},
-              .gamma_low = {},
-              .force_n = world.normal_n()};
+  Probe probe{
+      .time_s = world.time_s(), .truth = {}, .gamma = {}, .gamma_low = {}, .force_n = world.normal_n()};
   const slipd_estimate now = bed.estimate();
   if (const double gamma = slipd_margin(&now); !std::isnan(gamma)) {
     probe.gamma = gamma;
@@ -143,7 +139,7 @@ TrialResult hold(const Task& task, const TrialOptions& options) {
   Reactions reactions(bed_options.most_n);
   bool closed = false;
   int frames = 0, known = 0, probed = 0;
-  std::vector<std::array<World::Moment, 2>> moments;  // their margins take longer than slipd waits for frames
+  std::vector<World::Moment> moments;  // their margins take longer than slipd waits for frames
   for (int step = 0; world.time_s() < task.length_s && !witness.lost(); ++step) {
     if (step % steps_a_frame == 0) {
       if (!closed && world.time_s() >= kCloseAt) {
@@ -185,13 +181,12 @@ TrialResult hold(const Task& task, const TrialOptions& options) {
     if (probed < options.probes && world.time_s() >= next_probe_s &&
         step % steps_a_frame == steps_a_frame - 1) {
       witness.so_far().probes.push_back(probe(world, bed));
-      moments.push_back({world.moment(), world.moment()});
+      moments.push_back(world.moment());
       ++probed;
     }
   }
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    witness.so_far().probes[i].truth = world.true_margin(moments[i][0]);
-    witness.so_far().probes[i].turning_truth = world.true_margin(moments[i][1], true);
+    witness.so_far().probes[i].truth = world.true_margins(moments[i]);
   }
   witness.so_far().known_share = frames == 0 ? 0 : static_cast<double>(known) / frames;
   return std::move(witness).result();

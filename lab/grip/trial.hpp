@@ -15,8 +15,7 @@ namespace lab::grip {
 // The margin at one moment.
 struct Probe {
   double time_s = 0;
-  double truth = 0;                 // until all contacts slide
-  double turning_truth = 0;         // until all but a pivot do
+  TrueMargins truth;
   std::optional<double> gamma;      // slipd's; none: it did not know
   std::optional<double> gamma_low;  // the same
   double force_n = 0;               // of each finger

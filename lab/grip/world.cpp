@@ -14,8 +14,8 @@ namespace {
 // How far the fingers are from the object at the beginning, m.
 constexpr double kGap = 0.002;
 constexpr double kTipRadius = 0.0008;
-// Shares of the normal force that slide: all of it, and all but a pivot, about the hardest pressed pillar.
-constexpr double kAll = 0.995, kAllButAPivot = 0.85;
+// Share of the normal force that slides where all does.
+constexpr double kAll = 0.995;
 
 void write_pad(std::ostream& out, Side side, const WorldOptions& o) {
   const bool left = side == Side::left;
@@ -130,9 +130,22 @@ struct World::State {
     const int bodies = model->geom_bodyid[contact.geom1] == object ? contact.geom2 : contact.geom1;
     return model->body_parentid[model->geom_bodyid[bodies]] == mj_name2id(model.get(), mjOBJ_BODY, "left");
   }
-  // Of each side the normal force of all contacts, and of those that slide.
+  // Of each side the normal force of all contacts, of those that slide, and of the one that carries most of
+  // those that stick.
   struct Sums {
-    std::array<double, 2> all{}, sliding{};
+    std::array<double, 2> all{}, sliding{}, pivot{};
+
+    // A body that two pillars hold cannot move along the pad; about a single one it turns.
+    bool slides(bool or_turns) const {
+      const auto slides = [&](std::size_t side) {
+        return sliding[side] + (or_turns ? pivot[side] : 0) >= kAll * all[side];
+      };
+      return slides(0) && slides(1);
+    }
+    double sliding_share() const {
+      const double both = all[0] + all[1];
+      return both > 0 ? (sliding[0] + sliding[1]) / both : 1;
+    }
   };
   Sums sums(const mjData* d) const {
     constexpr double kOnTheCone = 0.98;
@@ -146,13 +159,10 @@ struct World::State {
       sums.all[side] += force[0];
       if (std::hypot(force[1], force[2]) >= kOnTheCone * contact.friction[0] * force[0])
         sums.sliding[side] += force[0];
+      else
+        sums.pivot[side] = std::max(sums.pivot[side], force[0]);
     }
     return sums;
-  }
-  // share: of the normal force that has to slide.
-  bool slides(const mjData* d, double share = kAll) const {
-    const Sums s = sums(d);
-    return s.sliding[0] >= share * s.all[0] && s.sliding[1] >= share * s.all[1];
   }
 };
 
@@ -208,7 +218,7 @@ double World::normal_n() const {
 }
 
 bool World::slides() const {
-  return state_->slides(state_->data.get());
+  return state_->sums(state_->data.get()).slides(false);
 }
 
 double World::width_m() const {
@@ -234,25 +244,42 @@ World::Moment World::moment() const {
   return Moment(*state_);
 }
 
-double World::true_margin(const Moment& moment, bool until_turning) const {
-  // The load grows by e in this time, s: slowly against the pads' swinging.
-  constexpr double kGrowth = 0.3;
+// A pillar near the point that the object turns about slips only after a large turn. For the load not to
+// outrun that, it grows the more slowly, the more slides.
+TrueMargins World::true_margins(const Moment& moment) const {
+  // In these times it grows by e, s: while all sticks, and while nearly all slides.
+  constexpr double kSticking = 0.3, kSliding = 10;
   constexpr double kMostFactor = 50, kNoLoadN = 1e-6;
   mjData* const d = moment.copy_->data.get();
-  const mjtNum* const load = d->xfrc_applied + 6 * state_->object;
-  const std::array<double, 3> load_n{load[0], load[1], load[2]};
-  if (std::hypot(load_n[0], load_n[1], load_n[2]) < kNoLoadN) return 1;
-  const double share = until_turning ? kAllButAPivot : kAll;
-  if (state_->slides(d, share)) return 0;
-  const double begun_s = d->time, grip_n = d->ctrl[0];
-  double factor = 1;
-  while (factor < kMostFactor) {
+  mjtNum* const load = d->xfrc_applied + 6 * state_->object;
+  const mjtNum* const center = d->xipos + 3 * state_->object;
+  const std::array<double, 3> load_n{load[0], load[1], load[2]}, begun_m{center[0], center[1], center[2]};
+  TrueMargins out;
+  if (std::hypot(load_n[0], load_n[1], load_n[2]) < kNoLoadN) return out;
+  const double grip_n = d->ctrl[0];
+  double growth = 0;  // the logarithm of the factor
+  bool turns = false;
+  while (growth < std::log(kMostFactor)) {
+    const State::Sums sums = state_->sums(d);
+    if (!turns && sums.slides(true)) {
+      turns = true;
+      out.until_turning = -std::expm1(-growth);
+    }
+    if (sums.slides(false)) {
+      out.until_sliding = -std::expm1(-growth);
+      break;
+    }
+    growth += state_->options.step_s / (kSticking + kSliding * sums.sliding_share());
+    // Its torque about the grip grows with it, however far the object has moved by now.
+    const double factor = std::exp(growth);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      load[3 + i] = factor * ((begun_m[j] - center[j]) * load_n[k] - (begun_m[k] - center[k]) * load_n[j]);
+    }
     state_->step(d, grip_n, {factor * load_n[0], factor * load_n[1], factor * load_n[2]},
                  moment.copy_->friction);
-    if (state_->slides(d, share)) return 1 - 1 / factor;
-    factor = std::exp((d->time - begun_s) / kGrowth);
   }
-  return 1;
+  return out;
 }
 
 }  // namespace lab::grip

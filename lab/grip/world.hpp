@@ -28,6 +28,16 @@ struct WorldOptions {
 
 enum class Side : std::uint8_t { left, right };
 
+// The margins at a moment, until the object slides or turns: 1 - 1/s, with s the factor on its load, force
+// and torque about the grip, at which it does, the fingers' force and friction staying. 0: does already; 1:
+// no load.
+struct TrueMargins {
+  // Until all pillars slide.
+  double until_sliding = 1;
+  // Until at most one of each pad sticks, about which a load beside the grip turns the object.
+  double until_turning = 1;
+};
+
 class World {
  public:
   // Throws std::runtime_error with MuJoCo's text.
@@ -68,11 +78,7 @@ class World {
   };
   Moment moment() const;
 
-  // The true margin at that moment: 1 - 1/s, with s the factor on its load at which the object slides, the
-  // fingers' force and friction staying. 0: slides already; 1: no load. `until_turning`: a load beside the
-  // grip turns the object about a point within the pads, where pillars stick to the end; then it counts as
-  // sliding when only such a pivot sticks. Without, not until that slides, too.
-  double true_margin(const Moment& moment, bool until_turning = false) const;
+  TrueMargins true_margins(const Moment& moment) const;
 
  private:
   std::unique_ptr<State> state_;
