@@ -135,6 +135,7 @@ Reading Controller::reading_of(const slipd_estimate& now) const {
   reading.gamma_low = now.gamma_low;
   reading.sigma = now.sigma;
   reading.normal_n = now.normal_n;
+  reading.shear_n = now.shear_n;
   reading.increase_n = now.grip_increase_n;
   reading.time_to_slip_s = now.time_to_slip_s;
   return reading;

@@ -18,6 +18,7 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
   now_ns_ = now_ns;
   const double acting = acting_n(now_ns);
   contact_for_s_ = reading.contact == true ? contact_for_s_ + passed_s : 0;
+  trend_.add(now_ns, reading.shear_n);
   margin_ = reading.known ? std::optional(foreseen_margin(reading)) : std::nullopt;
 
   if (wish != Wish::none) take(wish == Wish::open ? Event::open_order : Event::close_order, now_ns);
@@ -97,12 +98,13 @@ double Law::firm_n(const Reading& reading, double acting) const {
   return std::min(settings_.firm_n, needed_n(acting, std::clamp(reading.gamma_low, 0.0, 1.0)));
 }
 
-// The margin that counts, at the end of the delay and of ahead_s if it falls as forecast.
+// The margin that counts, at the end of the delay and of ahead_s, if it falls as forecast or the load grows
+// on. Below 0 the object would slip by then: so much more force will be needed.
 double Law::foreseen_margin(const Reading& reading) const {
-  const double margin = sure_margin(reading);
-  if (!(reading.time_to_slip_s >= 0)) return margin;
   const double lead_s = settings_.delay_s + settings_.ahead_s;
-  return margin * std::max(0.0, 1 - lead_s / std::max(reading.time_to_slip_s, 1e-6));
+  const double margin = sure_margin(reading), by_load = 1 - (1 - margin) * trend_.growth(lead_s);
+  if (!(reading.time_to_slip_s >= 0)) return by_load;
+  return std::min(by_load, margin * std::max(0.0, 1 - lead_s / std::max(reading.time_to_slip_s, 1e-6)));
 }
 
 // What friction surely holds, also where it is still a range, or may have fallen unseen. A margin that only

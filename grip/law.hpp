@@ -7,11 +7,13 @@
 // delay before.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
 
 #include "grip/grippers/order.hpp"
+#include "grip/load_trend.hpp"
 #include "grip/transitions.hpp"
 
 namespace slipd::grip {
@@ -37,7 +39,7 @@ struct LawSettings {
   double lower_per_s = 1;
   // For how long a margin has to suffice before the force falls, s.
   double settle_s = 0.5;
-  // The forecast counts for this long beyond the delay, s.
+  // What the load grows by and what the margin falls by is foreseen for this long beyond the delay, s.
   double ahead_s = 0.1;
   // Share by which the force may exceed what is needed without being lowered.
   double spare = 0.03;
@@ -64,6 +66,7 @@ struct Reading {
   bool slips = false;
   double gamma = 0, gamma_low = 0, sigma = 0;
   double normal_n = 0;        // of all fingers
+  double shear_n = 0;         // of all fingers
   double increase_n = 0;      // advice, of all fingers
   double time_to_slip_s = 0;  // forecast
 };
@@ -71,7 +74,7 @@ struct Reading {
 enum class Wish : std::uint8_t { none, open, close };
 class Law {
  public:
-  explicit Law(const LawSettings& settings) : settings_(settings) {}
+  explicit Law(const LawSettings& settings) : settings_(settings), trend_(kTrendS) {}
 
   // `now_ns`: of a steady clock that does not go back; a sample's own time where there is one.
   Order step(const Reading& reading, Wish wish, bool gripper_answers, std::int64_t now_ns);
@@ -80,13 +83,17 @@ class Law {
   // What led to it.
   Event last_event() const noexcept { return event_; }
   double force_n() const noexcept { return order_.force_n; }
-  // The margin that the last reading was judged by; nullopt: none.
-  std::optional<double> margin() const noexcept { return margin_; }
+  // The margin that the last reading was judged by, 0 if the object would slip by then; nullopt: none.
+  std::optional<double> margin() const noexcept {
+    return margin_ ? std::optional(std::max(0.0, *margin_)) : std::nullopt;
+  }
   // Whether the sensors have felt less than half of the ordered force for half a second.
   bool is_deaf() const noexcept { return deaf_s_ > kDeafAfterS; }
 
  private:
   static constexpr double kDeafAfterS = 0.5;
+  // The load's course that shows how fast it grows, s.
+  static constexpr double kTrendS = 0.06;
   struct Past {
     std::int64_t time_ns;
     double force_n;
@@ -109,6 +116,7 @@ class Law {
   Order order_;
   double force_n_ = 0;  // before it is rounded
   std::deque<Past> past_;
+  LoadTrend trend_;
   std::optional<double> margin_;
   std::optional<std::int64_t> now_ns_;
   std::int64_t closing_since_ns_ = 0;

@@ -35,7 +35,8 @@ void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
   posterior_.conclude();
 }
 
-// The signed root of a misfit above the least one is a residual in units of its noise.
+// The signed root of a misfit above the least one is a residual in units of its noise. Nearly all of that is
+// by uneven pillars, which are the same in all frames.
 void FrictionByPillars::weigh_frame() noexcept {
   double least = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
@@ -51,7 +52,8 @@ void FrictionByPillars::weigh_frame() noexcept {
   for (std::size_t j = 0; j < grid().count(); ++j)
     residuals[j] =
         std::copysign(std::sqrt(beds_.misfit(j) - least), grid().friction(j) - grid().friction(best));
-  posterior_.weigh(Evidence::margin, residuals, options_.profile_common_share, 1);
+  constexpr double kCommon = 1, kNoise = 1;
+  posterior_.weigh(Evidence::margin, residuals, kCommon, kNoise);
 }
 
 }  // namespace slipd

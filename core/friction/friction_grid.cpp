@@ -82,9 +82,9 @@ MeanSigma FrictionGrid::friction() const noexcept {
   return {mu.middle, norm(0.5 * (mu.high - mu.low), kUnevenShare * mu.middle)};
 }
 
-double FrictionGrid::least_friction() const noexcept {
-  const double middle = quantiles_.middle;
-  return std::max(0.0, middle - norm(middle - quantiles_.least, kOneSided95 * kUnevenShare * middle));
+double FrictionGrid::least_friction(double common) const noexcept {
+  const double middle = quantiles_.middle, below = kOneSided95 * norm(kUnevenShare, common) * middle;
+  return std::max(0.0, middle - norm(middle - quantiles_.least, below));
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {

@@ -43,8 +43,9 @@ class FrictionGrid {
   // mu, with its floor of sigma.
   MeanSigma friction() const noexcept;
 
-  // mu that friction exceeds with 95 % confidence.
-  double least_friction() const noexcept;
+  // mu that friction exceeds with 95 % confidence. common: standard deviation, relative, of errors that all
+  // frames share, >= 0.
+  double least_friction(double common) const noexcept;
 
   // 1/mu, and its standard deviation.
   MeanSigma inverse_friction() const noexcept;

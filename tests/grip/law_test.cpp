@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -17,6 +19,7 @@ namespace slipd::grip {
 namespace {
 
 constexpr std::int64_t kFrameNs = 5'000'000;
+constexpr double kShearN = 6;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Reading margin_of(double gamma) {
@@ -27,6 +30,7 @@ Reading margin_of(double gamma) {
           .gamma_low = gamma,
           .sigma = 0,
           .normal_n = 10,
+          .shear_n = kShearN,
           .increase_n = kNone,
           .time_to_slip_s = kNone};
 }
@@ -111,6 +115,42 @@ TEST(Law, AddsForceAheadOfAForecastSlip) {
   falling.step(now);
   EXPECT_GT(falling.law.force_n(), still.law.force_n());
   EXPECT_EQ(falling.law.state(), State::tightening);
+}
+
+// A pull that grows steadily, as in a lift, with a gripper that follows late.
+TEST(Law, IsAheadOfALoadThatGrows) {
+  LawSettings settings;
+  settings.target_margin = 0.1;
+  Held held(settings);
+  held.close();
+  held.hold(3, 20);
+  std::deque<double> orders(4, held.law.force_n());            // as late as LawSettings::delay_s
+  for (double needed_n = 3; needed_n < 10; needed_n += 0.2) {  // 40 N a second
+    const double acting_n = orders.front();
+    Reading now = margin_of(std::max(0.0, 1 - needed_n / acting_n));
+    now.shear_n = kShearN / 3 * needed_n;
+    orders.pop_front();
+    orders.push_back(held.step(now).force_n);
+    if (needed_n < 5) continue;  // that it grows has to show first
+    EXPECT_GE(acting_n, needed_n);
+  }
+}
+
+TEST(Law, DoesNotTakeNoiseOfTheLoadForGrowth) {
+  const RandomStream random(1);
+  std::uint64_t next = 0;
+  Held held;
+  held.close();
+  held.hold(3, 20);
+  const double before_n = held.law.force_n();
+  std::deque<double> orders(4, before_n);  // as late as LawSettings::delay_s
+  for (int i = 0; i < 2000; ++i) {
+    Reading now = margin_of(1 - 3 / orders.front());
+    now.shear_n = kShearN * (1 + random.uniform(next++, -0.03, 0.03));
+    orders.pop_front();
+    orders.push_back(held.step(now).force_n);
+    EXPECT_LT(orders.back(), 1.1 * before_n);
+  }
 }
 
 TEST(Law, AnswersASlipWithinTheSameStep) {
@@ -211,6 +251,7 @@ TEST(Law, NeverOpensUnbiddenNeverExceedsItsLimitsAndNeverLetsGoInTheDark) {
                                    : unknown(draw(0, 1) < 0.5 ? std::optional(true) : std::nullopt);
       if (draw(0, 1) < 0.05) reading.slips = true;
       if (draw(0, 1) < 0.1) reading.time_to_slip_s = draw(0, 1);
+      if (draw(0, 1) < 0.5) reading.shear_n = draw(0, 20);
       if (draw(0, 1) < 0.1) reading.increase_n = draw(0, 100);
       const Wish wish = i == 1 ? Wish::close : draw(0, 1) < 0.001 ? Wish::open : Wish::none;
       if (wish == Wish::open) told_to_open = true;

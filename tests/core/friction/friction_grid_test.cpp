@@ -54,6 +54,21 @@ TEST(FrictionGrid, WithoutFramesIsTheScenesRange) {
   EXPECT_GT(mu.sigma, 0.5 * mu.mean) << "wide open";
 }
 
+TEST(FrictionGrid, SaysWhatFrictionExceedsWith95PercentAlsoWhereItMayHaveFallen) {
+  FrictionGrid grid(kPrior, kCount);
+  EXPECT_LT(grid.least_friction(0), 0.13) << "nothing is known";
+  believe(grid, 0.5, 0.1);
+  EXPECT_NEAR(grid.least_friction(0), 0.5 * std::exp(-1.645 * 0.1), 0.01);
+  EXPECT_LT(grid.least_friction(0.2), 0.5 - 1.645 * 0.2 * 0.5) << "what all frames have in common";
+  std::vector<double> weights(grid.count());
+  for (std::size_t j = 0; j < grid.count(); ++j) weights[j] = grid.weight(j);
+  const std::size_t fallen = grid.count() / 3;
+  weights[fallen] += 0.1;
+  grid.assign(weights);
+  EXPECT_LT(grid.least_friction(0), 1.05 * grid.friction(fallen));
+  EXPECT_NEAR(grid.friction().mean, 0.5, 0.02) << "and its median stays";
+}
+
 TEST(FrictionGrid, GivesMedianAndSigmaOfItsWeightsBetweenItsPoints) {
   for (const double mu : {0.12, 0.303, 0.71}) {
     FrictionGrid grid(kPrior, kCount);
