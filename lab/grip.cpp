@@ -107,7 +107,7 @@ void add_grip(CLI::App& app, const offline::Common& common) {
       ->check(CLI::Range(3, 9))
       ->capture_default_str();
   command->add_flag("--each", options->each, "print each task");
-  command->add_flag("--course", options->trial.verbose, "print what happens, five times a second");
+  command->add_flag("--course", options->trial.verbose, "print what happens, three times a second");
   add_threads_option(*command, options->threads);
   command->callback([&common, options] { run_grip(common, *options); });
 }
