@@ -210,11 +210,11 @@ LearntByForces::LearntByForces(double sigma_max, const FrictionKnowledge& fricti
     : LearntFrictionMargin(sigma_max, friction, friction.range(), by_forces(friction, options), options) {}
 
 // Forces alone never show how near slip is until it has come: the lower part of the posterior is given, as
-// long as friction has not settled, and only friction that was learnt is relied on.
+// long as friction has not settled, and only friction that was learnt, or that frames show, is relied on.
 void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
   if (const auto now = learn(frame, options_.least_friction_sigma, decision, out)) {
-    if (out.friction) rely_on_least(options_.least_friction_sigma, decision);
     const bool shows_margin = frame.reading != nullptr && frame.reading->profile.known;
+    if (shows_margin || out.friction) rely_on_least(options_.least_friction_sigma, decision);
     MeanSigma margin = now->margin;
     if (!shows_margin) {
       margin = within_bounds(*now, margin);
