@@ -26,6 +26,10 @@ void FrictionByPillars::lose_history(HistoryEvent /*why*/) noexcept {
   beds_.lose_history();
 }
 
+double FrictionByPillars::common_sigma(const ContactPatch& patch) const noexcept {
+  return beds_.uneven_share() / std::sqrt(static_cast<double>(std::max<std::size_t>(patch.count, 1)));
+}
+
 void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
   const double seconds = begin_frame(frame);

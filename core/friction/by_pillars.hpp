@@ -17,6 +17,8 @@ class FrictionByPillars final : public FrictionFilter {
   void update(const FrictionFrame& frame) noexcept override;
   void reset() noexcept override;
   void lose_sight() noexcept override;
+  // Each pillar is off by its own stiffness, which is the same in all frames.
+  double common_sigma(const ContactPatch& patch) const noexcept override;
 
  protected:
   void lose_history(HistoryEvent why) noexcept override;

@@ -62,6 +62,10 @@ class FrictionFilter {
   // The history is known, and frames of late look as some friction would make them.
   virtual bool understood() const noexcept { return is_known(history()) && explained_of_late(); }
 
+  // Standard deviation of friction, relative, by what all frames of a grasp have in common with this contact;
+  // 0: no more than is usual.
+  virtual double common_sigma(const ContactPatch& /*patch*/) const noexcept { return 0; }
+
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
   bool surprised() const noexcept { return posterior_.surprise() > kClearSigmas * kClearSigmas; }
 

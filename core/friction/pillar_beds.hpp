@@ -49,6 +49,7 @@ class PillarBeds {
   // The squared misfit of bed j, 0 … frictions - 1, of the last frame: sum over the pillars that touch, in
   // units of its variance. Two components each.
   double misfit(std::size_t j) const noexcept { return misfit_[j]; }
+  double uneven_share() const noexcept { return options_.uneven_share; }
   // Pillars that touch.
   std::size_t touching() const noexcept { return touching_; }
 

@@ -76,17 +76,21 @@ MarginOverTime::MarginOverTime(double sigma_max, Range bounds, std::unique_ptr<F
       prior_(filter_->grid().friction()),
       last_friction_(prior_.mean) {}
 
-MarginOverTime::Now MarginOverTime::now_with(MeanSigma margin, double common) noexcept {
+double MarginOverTime::common_sigma(const MarginInput& frame) const noexcept {
+  return std::max(options_.least_friction_sigma, filter_->common_sigma(frame.acting));
+}
+
+MarginOverTime::Now MarginOverTime::now_with(MeanSigma margin, const MarginInput& frame) noexcept {
   const MeanSigma load = filter_->traction_ratio(), friction = filter_->grid().friction();
   margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load.mean / bounds_.low),
                            std::max(0.0, 1 - load.mean / bounds_.high));
-  margin.sigma = norm(margin.sigma, common * (1 - margin.mean));
+  margin.sigma = norm(margin.sigma, common_sigma(frame) * (1 - margin.mean));
   last_friction_ = friction.mean;
   return {load, friction, margin};
 }
 
-void MarginOverTime::rely_on_least(double common, MarginDecision& decision) const noexcept {
-  decision.rely_on(std::max(bounds_.low, filter_->grid().least_friction(common)));
+void MarginOverTime::rely_on_least(const MarginInput& frame, MarginDecision& decision) const noexcept {
+  decision.rely_on(std::max(bounds_.low, filter_->grid().least_friction(common_sigma(frame))));
 }
 
 void MarginOverTime::refuse_contradicted(const MarginInput& frame, MarginDecision& decision,
@@ -152,7 +156,7 @@ LearntFrictionMargin::LearntFrictionMargin(double sigma_max, const FrictionKnowl
       log_range_(std::log(friction.range().high / friction.range().low)),
       usual_friction_(std::sqrt(friction.range().low * friction.range().high)) {}
 
-std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput& frame, double common,
+std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput& frame,
                                                                MarginDecision& decision,
                                                                Estimate& out) noexcept {
   out.method = Method::friction;
@@ -167,7 +171,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
     refuse_contradicted(frame, decision, out);
     return std::nullopt;
   }
-  const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared), common);
+  const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared), frame);
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
   const double known = has_torque(frame.reading) ? kSettledFriction : kKnownFriction;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
@@ -212,9 +216,9 @@ LearntByForces::LearntByForces(double sigma_max, const FrictionKnowledge& fricti
 // Forces alone never show how near slip is until it has come: the lower part of the posterior is given, as
 // long as friction has not settled, and only friction that was learnt, or that frames show, is relied on.
 void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  if (const auto now = learn(frame, options_.least_friction_sigma, decision, out)) {
+  if (const auto now = learn(frame, decision, out)) {
     const bool shows_margin = frame.reading != nullptr && frame.reading->profile.known;
-    if (shows_margin || out.friction) rely_on_least(options_.least_friction_sigma, decision);
+    if (shows_margin || out.friction) rely_on_least(frame, decision);
     MeanSigma margin = now->margin;
     if (!shows_margin) {
       margin = within_bounds(*now, margin);
@@ -244,17 +248,9 @@ LearntByPillars::LearntByPillars(double sigma_max, const TaxelLayout& layout,
     : LearntFrictionMargin(sigma_max, friction, shaped_bounds(friction),
                            by_pillars(layout, friction, options), options) {}
 
-// Each pillar is off by its own stiffness; what that makes of friction is the same in all frames.
-double LearntByPillars::common_sigma(std::size_t pillars) const noexcept {
-  const double uneven =
-      PillarBedsOptions{}.uneven_share / std::sqrt(static_cast<double>(std::max<std::size_t>(pillars, 1)));
-  return std::max(options_.least_friction_sigma, uneven);
-}
-
 void LearntByPillars::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  const double common = common_sigma(frame.acting.count);
-  if (const auto now = learn(frame, common, decision, out)) {
-    rely_on_least(common, decision);
+  if (const auto now = learn(frame, decision, out)) {
+    rely_on_least(frame, decision);
     MeanSigma margin = has_settled(*now) ? now->margin : minus_one_sigma(*now, now->margin);
     if (filter_->surprised()) margin.sigma = std::numeric_limits<double>::infinity();
     propose(margin, frame, decision, out);
@@ -268,8 +264,8 @@ LearntByShape::LearntByShape(double sigma_max, const FrictionKnowledge& friction
                            options) {}
 
 void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  if (const auto now = learn(frame, options_.least_friction_sigma, decision, out)) {
-    rely_on_least(options_.least_friction_sigma, decision);
+  if (const auto now = learn(frame, decision, out)) {
+    rely_on_least(frame, decision);
     const Reading* const reading = frame.reading;
     const bool torque = has_torque(reading);
     MeanSigma margin;
@@ -329,8 +325,8 @@ std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput
     return std::nullopt;
   }
   const MeanSigma load = filter_->traction_ratio();
-  const Now now = now_with(filter_->grid().margin(load.mean, load.sigma), options_.least_friction_sigma);
-  rely_on_least(options_.least_friction_sigma, decision);
+  const Now now = now_with(filter_->grid().margin(load.mean, load.sigma), frame);
+  rely_on_least(frame, decision);
   give_friction(now.friction, out);
   return now;
 }

@@ -76,11 +76,10 @@ class MarginOverTime : public MarginSource {
     double relative() const noexcept { return friction.sigma / friction.mean; }
   };
   // Friction and |Q|/P as they stand; `margin`: of both, is kept within the bounds of friction, with the
-  // floor of its sigma. common: standard deviation of friction, relative, by what all frames of a grasp have
-  // in common.
-  Now now_with(MeanSigma margin, double common) noexcept;
+  // floor of its sigma.
+  Now now_with(MeanSigma margin, const MarginInput& frame) noexcept;
   // Friction as it stands bounds the margin.
-  void rely_on_least(double common, MarginDecision& decision) const noexcept;
+  void rely_on_least(const MarginInput& frame, MarginDecision& decision) const noexcept;
   // Frames say nothing, or too little.
   static void refuse_unknown(const MarginInput& frame, MarginDecision& decision) noexcept;
   // Frames contradict every friction.
@@ -96,6 +95,9 @@ class MarginOverTime : public MarginSource {
   // `own` where it agrees with `margin`, by friction, and is the surer one.
   MeanSigma better_of(const MeanSigma& margin, const MeanSigma& own, const Reading& reading,
                       Estimate& out) const noexcept;
+
+  // Standard deviation of friction, relative, by what all frames of a grasp have in common.
+  double common_sigma(const MarginInput& frame) const noexcept;
 
   const MarginOverTimeOptions options_;
   const double sigma_max_;
@@ -116,9 +118,8 @@ class LearntFrictionMargin : public MarginOverTime {
  protected:
   LearntFrictionMargin(double sigma_max, const FrictionKnowledge& friction, Range bounds,
                        std::unique_ptr<FrictionFilter> filter, const MarginOverTimeOptions& options);
-  // Nothing if frames contradict every friction; then the margin is refused. common: as of now_with.
-  std::optional<Now> learn(const MarginInput& frame, double common, MarginDecision& decision,
-                           Estimate& out) noexcept;
+  // Nothing if frames contradict every friction; then the margin is refused.
+  std::optional<Now> learn(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept;
   // Adds to sigma what forces did between two frames.
   void widen_by_unobserved(const MarginInput& frame, MarginDecision& decision, const Estimate& out) noexcept;
   // What forces alone leave of the margin, on the safe side of its middle.
@@ -153,9 +154,6 @@ class LearntByPillars final : public LearntFrictionMargin {
                   const MarginOverTimeOptions& options = {});
   std::string_view name() const noexcept override { return "friction_by_pillars"; }
   void estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept override;
-
- private:
-  double common_sigma(std::size_t pillars) const noexcept;
 };
 
 // Sensors whose frames show margin and friction by themselves.

@@ -44,7 +44,6 @@ class TaxelBlocks {
   // normal values, then as many along x, then along y; a cell's value is the sum of its taxels, in Pa or in
   // the sensor's counts.
   const float* block(std::size_t ago) const noexcept;
-  // Mean time between blocks, s.
   // How many blocks last as long as so many of kBlock_s do; at least 2. A slow sensor's are longer.
   std::size_t blocks_in(std::size_t blocks) const noexcept;
   // Standard deviation of the newest block's values that is due to noise of single frames, as root mean
