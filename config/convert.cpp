@@ -220,6 +220,7 @@ class Converter {
     r = {.mode = kModes.at(in["mode"]),
          .priority = in["priority"],
          .cpus = in["cpus"],
+         .estimate_threads = in["estimate_threads"],
          .lock_memory = in["lock_memory"]};
   }
 

@@ -123,6 +123,8 @@ struct RealtimeSettings {
   int priority = 60;
   // CPUs that real-time threads run on; empty: all.
   std::vector<int> cpus;
+  // Threads that estimate; 0: as many as its sensors need.
+  int estimate_threads = 0;
   // Whether to lock all memory.
   bool lock_memory = true;
   bool operator==(const RealtimeSettings&) const = default;

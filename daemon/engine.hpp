@@ -39,8 +39,8 @@ class Engine {
 
   // Whether the first attempt to open each device has ended.
   bool all_devices_tried() const;
-  // Increases at least four times a second while the estimate thread runs.
-  std::uint64_t heartbeat() const noexcept { return pipeline_.heartbeat(); }
+  // Whether each estimate thread has run since the last call, which was at least a quarter of a second ago.
+  bool all_ran() noexcept { return pipeline_.all_ran(); }
 
   const Settings& settings() const noexcept { return settings_; }
   Board& board() noexcept { return board_; }

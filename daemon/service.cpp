@@ -168,7 +168,6 @@ class Service {
   std::optional<Server> server_;
   LogLimit log_limit_;
   std::string status_;
-  std::uint64_t last_heartbeat_ = 0;
 };
 
 int Service::run() {
@@ -228,11 +227,9 @@ void Service::report_ready_when_tried() {
   });
 }
 
-// Sent only while the estimate thread runs. That io runs is shown by this call.
+// Sent only while all estimate threads run. That io runs is shown by this call.
 void Service::feed_watchdog() {
-  const std::uint64_t now = engine_->heartbeat();
-  if (now != last_heartbeat_) notify::watchdog();
-  last_heartbeat_ = now;
+  if (engine_->all_ran()) notify::watchdog();
 }
 
 void Service::reload() {

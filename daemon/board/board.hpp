@@ -178,22 +178,25 @@ struct Event {
   std::uint32_t lost_before = 0;
 };
 
+// Estimates of an estimate thread on their way. Pushed by that thread, popped by one thread: io.
+using EventQueue = boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>>;
+
 // The board. Built and destroyed while no thread runs.
 struct Board {
   // In the order of the configuration.
   std::vector<std::unique_ptr<SensorStatus>> sensors;
   // In the order of the configuration.
   std::vector<std::unique_ptr<GraspStatus>> grasps;
-  // Pushed by one thread: estimate. Popped by one thread: io.
-  boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;
+  // One for each estimate thread.
+  std::deque<EventQueue> events;
   // One for each real-time thread, which writes it. Read by one thread: io.
   std::deque<LogRing> logs;
-  // The estimates in memory that clients map. Written by one thread: estimate. Made by io.
+  // The estimates in memory that clients map. Written by estimate threads. Made by io.
   SharedBoard shared;
   // Notified after something was written that io waits for.
   IoWakeup io_wakeup;
   // Whether io is to be woken for each event. If not, it is woken when a state or alert changed, and when the
-  // queue is half full. Written by one thread: io, read by one: estimate. Relaxed: no other memory is read
+  // queue is half full. Written by one thread: io, read by estimate threads. Relaxed: no other memory is read
   // because of it; an event that still finds it false is taken with the next one.
   std::atomic<bool> wake_for_each_event{true};
 };

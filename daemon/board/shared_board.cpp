@@ -139,7 +139,7 @@ void SharedBoard::open(const std::vector<std::string>& sensors, const std::vecto
   bytes_ = bytes;
   slots_ = slots;
   uses_ = std::move(uses);
-  memory_.store(memory, std::memory_order_release);  // pairs with begin_round
+  memory_.store(memory, std::memory_order_release);  // pairs with Writer::begin_round
 }
 
 UniqueFd SharedBoard::descriptor() const {
@@ -182,18 +182,24 @@ void SharedBoard::close() noexcept {
   }
 }
 
-bool SharedBoard::begin_round(std::int64_t now_ns, bool& is_new) noexcept {
-  std::byte* const memory = memory_.load(std::memory_order_acquire);  // pairs with open
-  is_new = memory != used_;
-  used_ = memory;
+// A thread that is stopped between its look at the others and its store makes the heartbeat older, never
+// newer; the next round of any writer mends it.
+bool SharedBoard::Writer::begin_round(std::int64_t now_ns, bool& is_new) noexcept {
+  std::byte* const memory = board_.memory_.load(std::memory_order_acquire);  // pairs with open
+  is_new = memory != memory_;
+  memory_ = memory;
   if (memory == nullptr) return false;
-  header_at(memory).heartbeat_ns.store(now_ns, std::memory_order_relaxed);
+  round_ns_.store(now_ns, std::memory_order_relaxed);
+  std::int64_t oldest_ns = now_ns;
+  for (const auto& each : board_.rounds_ns_)
+    oldest_ns = std::min(oldest_ns, each.load(std::memory_order_relaxed));
+  header_at(memory).heartbeat_ns.store(oldest_ns, std::memory_order_relaxed);
   return true;
 }
 
-bool SharedBoard::publish(std::size_t slot_index, Record& record) noexcept {
-  Slot& slot = slot_at(used_, slot_index);
-  Use& use = uses_[slot_index];
+bool SharedBoard::Writer::publish(std::size_t slot_index, Record& record) noexcept {
+  Slot& slot = slot_at(memory_, slot_index);
+  Use& use = board_.uses_[slot_index];
   record.number = ++use.published;
   slot.latest.store(record);
   // Release: pairs with the reader's acquire before it looks at the record.
@@ -206,16 +212,17 @@ bool SharedBoard::publish(std::size_t slot_index, Record& record) noexcept {
   return true;
 }
 
-bool SharedBoard::publish_sensor(std::size_t sensor, const Estimate& estimate, bool simulated) noexcept {
-  if (used_ == nullptr) return false;
+bool SharedBoard::Writer::publish_sensor(std::size_t sensor, const Estimate& estimate,
+                                         bool simulated) noexcept {
+  if (memory_ == nullptr) return false;
   Record record = record_of(estimate, simulated);
   return publish(sensor, record);
 }
 
-bool SharedBoard::publish_grasp(std::size_t grasp, const Estimate& estimate, std::int64_t oldest_ns,
-                                bool simulated, std::size_t first_sensor) noexcept {
-  if (used_ == nullptr) return false;
-  const std::size_t slot = header_at(used_).sensors + grasp;
+bool SharedBoard::Writer::publish_grasp(std::size_t grasp, const Estimate& estimate, std::int64_t oldest_ns,
+                                        bool simulated, std::size_t first_sensor) noexcept {
+  if (memory_ == nullptr) return false;
+  const std::size_t slot = header_at(memory_).sensors + grasp;
   Record record = record_of(estimate, simulated);
   record.time_ns = oldest_ns;
   record.truth_gamma = board_layout::kUnknown;

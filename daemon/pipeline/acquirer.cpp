@@ -41,16 +41,13 @@ std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
 
 Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
                    std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
-                   EstimateLoop& estimate, FeedOpened opened)
-    : driver_(std::move(driver)),
-      bias_store_(bias_store),
-      log_(log),
-      estimate_(estimate),
-      opened_(std::move(opened)) {
+                   EstimateThreads& estimate, FeedOpened opened)
+    : driver_(std::move(driver)), bias_store_(bias_store), log_(log), opened_(std::move(opened)) {
   for (const std::size_t sensor : sensors) {
     SensorChannel& channel = channels_.emplace_back();
     channel.sensor = sensor;
     channel.runtime = runtimes[sensor].get();
+    channel.estimate = &estimate.of(sensor);
     name_ += (name_.empty() ? "" : ", ") + channel.runtime->status.name;
   }
   slots_.resize(channels_.size());
@@ -201,8 +198,10 @@ void Acquirer::connect_bias(SensorChannel& channel, const DeviceInfo& info, cons
 void Acquirer::set_link(DeviceLink link) noexcept {
   // Release: pairs with the acquire in EstimateLoop::process and can::CanSource::view_at, so that they see
   // the frames delivered before.
-  for (auto& channel : channels_) channel.runtime->status.link.store(link, std::memory_order_release);
-  estimate_.ring();
+  for (auto& channel : channels_) {
+    channel.runtime->status.link.store(link, std::memory_order_release);
+    channel.estimate->ring();
+  }
 }
 
 // Reads until the device is closed. Leaves real time for a moment to tell that no frame comes, and why, and
@@ -316,9 +315,9 @@ bool Acquirer::deliver(std::size_t index) noexcept {
   if (channel.bias) channel.bias->after_publish();
   const std::int64_t interval_ns = interval_since_last_frame();
   if (feed.paced) {  // the device makes its next frame while this one is estimated
-    estimate_.ring();
+    channel.estimate->ring();
   } else {
-    estimate_.frame_delivered(channel.sensor, interval_ns);
+    channel.estimate->frame_delivered(channel.sensor, interval_ns);
   }
   return true;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "daemon/pipeline/bias_store.hpp"
-#include "daemon/pipeline/estimate_loop.hpp"
+#include "daemon/pipeline/estimate_threads.hpp"
 #include "daemon/pipeline/sensor_runtime.hpp"
 #include "daemon/rt/realtime.hpp"
 #include "daemon/rt/thread.hpp"
@@ -25,10 +25,10 @@ using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<FrameF
 class Acquirer {
  public:
   // `sensors`: indices into `runtimes` of this device's sensors, in the driver's order. `bias_store`,
-  // `runtimes`, `log` and `estimate` (told of each frame) outlive it.
+  // `runtimes`, `log` and `estimate` outlive it.
   Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
            std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
-           EstimateLoop& estimate, FeedOpened opened);
+           EstimateThreads& estimate, FeedOpened opened);
 
   // Starts the thread. Once.
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
@@ -43,6 +43,7 @@ class Acquirer {
   struct SensorChannel {
     std::size_t sensor = 0;
     SensorRuntime* runtime = nullptr;
+    EstimateLoop* estimate = nullptr;  // told of each frame
     std::shared_ptr<FrameFeed> feed;
     std::shared_ptr<BiasWorker> bias;  // null: the device subtracts its bias
     std::vector<float> gain;           // of each taxel; empty: all are 1
@@ -78,7 +79,6 @@ class Acquirer {
   std::vector<FrameSlot> slots_;
   BiasStore& bias_store_;
   LogRing& log_;
-  EstimateLoop& estimate_;
   FeedOpened opened_;
   std::string name_;                 // the sensors' names, for the log
   std::string last_logged_trouble_;  // logged once, not at each attempt

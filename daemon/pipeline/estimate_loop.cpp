@@ -8,8 +8,8 @@ namespace {
 
 using Clock = Doorbell::Clock;
 constexpr std::chrono::milliseconds kLongestSleep{200};
-// Free places of Board::events below which io is woken to empty it. Fewer: events may be lost while io is
-// busy.
+// Free places of the queue of events below which io is woken to empty it. Fewer: events may be lost while io
+// is busy.
 constexpr std::size_t kFewFreeEvents = 1024;
 // While clients may read the heartbeat: half of its period leaves as much for a round and for waking.
 constexpr std::chrono::nanoseconds kLongestSleepShared{board_layout::kHeartbeatPeriodNs / 2};
@@ -53,14 +53,21 @@ std::int64_t stale_after_ns(const SensorRuntime& runtime, const EstimatorInstanc
 }  // namespace
 
 EstimateLoop::EstimateLoop(Board& board, std::vector<std::unique_ptr<SensorRuntime>>& runtimes,
-                           const AlertSettings& alerts, LogRing& log, Doorbell& bell, Doorbell* output)
+                           const std::vector<std::size_t>& sensors, const AlertSettings& alerts,
+                           Doorbell* output)
     : board_(board),
-      log_(log),
-      bell_(bell),
+      log_(board.logs.emplace_back()),
+      events_(board.events.emplace_back()),
+      shared_(board.shared),
       output_(output),
-      grasp_evaluator_(board, alerts),
-      states_(runtimes.size()) {
-  for (std::size_t i = 0; i < runtimes.size(); ++i) states_[i].runtime = runtimes[i].get();
+      grasp_evaluator_(board, sensors, alerts, shared_),
+      states_(sensors.size()),
+      places_(runtimes.size()) {
+  for (std::size_t place = 0; place < sensors.size(); ++place) {
+    states_[place].sensor = sensors[place];
+    states_[place].runtime = runtimes[sensors[place]].get();
+    places_[sensors[place]] = place;
+  }
 }
 
 void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
@@ -85,13 +92,13 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
   for (SensorState& state : states_) adopt_instance(state, nullptr);
 }
 
-// Looks at all sensors; true if there was a frame. `wake_at`: when to look again if nothing rings.
+// Looks at all its sensors; true if there was a frame. `wake_at`: when to look again if nothing rings.
 bool EstimateLoop::round(Clock::time_point& wake_at) noexcept {
   bool busy = false;
   bool new_memory = false;
   const auto now = Clock::now();
   std::int64_t now_ns = now.time_since_epoch() / std::chrono::nanoseconds(1);
-  const bool shared = board_.shared.begin_round(now_ns, new_memory);
+  const bool shared = shared_.begin_round(now_ns, new_memory);
   if (new_memory) publish_shared();
   wake_at = now + (shared ? kLongestSleepShared : std::chrono::nanoseconds(kLongestSleep));
   for (SensorState& state : states_) {
@@ -121,7 +128,7 @@ bool EstimateLoop::is_short(const SensorState& state, std::int64_t interval_ns) 
 }
 
 void EstimateLoop::frame_delivered(std::size_t sensor, std::int64_t interval_ns) noexcept {
-  SensorState& own = states_[sensor];
+  SensorState& own = states_[places_[sensor]];
   std::uint64_t requests = 0;
   if (!is_short(own, interval_ns)) return bell_.ring();
   if (!turn_.ask(requests)) return;
@@ -159,16 +166,15 @@ void EstimateLoop::estimate_here(SensorState& state, std::int64_t now_ns) noexce
   if (now_ns + stale_after_ns(*state.runtime, *state.instance) < wake_at_ns_) bell_.ring();
 }
 
-// Writes all estimates into shared memory that io has just made.
+// Writes all its estimates into shared memory that io has just made.
 void EstimateLoop::publish_shared() noexcept {
   for (const SensorState& state : states_) publish_shared(state);
   grasp_evaluator_.publish_shared();
 }
 
 void EstimateLoop::publish_shared(const SensorState& state) noexcept {
-  const auto sensor = static_cast<std::size_t>(&state - states_.data());
   const bool simulated = state.runtime->status.simulated.load(std::memory_order_relaxed);
-  if (board_.shared.publish_sensor(sensor, state.published.estimate, simulated)) board_.io_wakeup.notify();
+  if (shared_.publish_sensor(state.sensor, state.published.estimate, simulated)) board_.io_wakeup.notify();
 }
 
 // One round for one sensor; true if there was a frame.
@@ -280,7 +286,7 @@ void EstimateLoop::publish(SensorState& state) noexcept {
   const Estimate& estimate = state.published.estimate;
   const bool changed = estimate.alert != state.last_output_alert || estimate.state != state.last_output_state;
   if (output_ != nullptr && changed) output_->ring();
-  grasp_evaluator_.mark_updated(static_cast<std::size_t>(&state - states_.data()));
+  grasp_evaluator_.mark_updated(state.sensor);
   state.last_output_alert = estimate.alert;
   state.last_output_state = estimate.state;
   if (state.event_pending) ++state.events_lost;  // this one replaces the one that did not fit
@@ -289,13 +295,13 @@ void EstimateLoop::publish(SensorState& state) noexcept {
 
 // Without a subscriber io sleeps while nothing changes: a wake for each frame would be most of what it does.
 void EstimateLoop::push_event(SensorState& state, bool changed) noexcept {
-  const auto sensor = static_cast<std::uint32_t>(&state - states_.data());
-  state.event_pending = !board_.events.push(Event{state.published.estimate, sensor, state.events_lost});
+  const auto sensor = static_cast<std::uint32_t>(state.sensor);
+  state.event_pending = !events_.push(Event{state.published.estimate, sensor, state.events_lost});
   if (state.event_pending) return;
   state.runtime->status.events_lost.fetch_add(state.events_lost, std::memory_order_relaxed);
   state.events_lost = 0;
   const bool wanted = changed || board_.wake_for_each_event.load(std::memory_order_relaxed);
-  if (wanted || board_.events.write_available() < kFewFreeEvents) board_.io_wakeup.notify();
+  if (wanted || events_.write_available() < kFewFreeEvents) board_.io_wakeup.notify();
 }
 
 void EstimateLoop::adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept {

@@ -1,9 +1,9 @@
-// Takes each sensor's newest frame, runs its estimator and publishes the result on the board. An acquire
-// thread does so itself for the frame that it has just delivered, when that is short work and nobody else
-// estimates (estimate_turn.hpp): waking the estimate thread would cost more than the estimate. The estimate
-// thread does all else: long estimates, frames that came meanwhile, and the states stale, fault and learning
-// of sensors without frames. It waits on one doorbell, at most until the next sensor becomes stale. Neither
-// allocates, locks, logs or throws.
+// Takes the newest frame of each sensor of one estimate thread, runs its estimator and publishes the result
+// on the board. An acquire thread does so itself for the frame that it has just delivered, when that is short
+// work and nobody else estimates (estimate_turn.hpp): waking the estimate thread would cost more than the
+// estimate. The estimate thread does all else: long estimates, frames that came meanwhile, and the states
+// stale, fault and learning of sensors without frames. It waits on its doorbell, at most until the next
+// sensor becomes stale. Neither allocates, locks, logs or throws.
 #pragma once
 
 #include <atomic>
@@ -21,19 +21,20 @@ namespace slipd {
 // Thread-safe between the estimate thread, acquire threads and io.
 class EstimateLoop {
  public:
-  // Called from one thread: io, before the thread starts. The board has all sensors and grasps. `bell` is
-  // what the thread waits on. `output`: rung when alert or state of a sensor or grasp changes; null: nobody
-  // waits. All arguments outlive it.
+  // Called from one thread: io, before the thread starts. The board has all sensors and grasps; this loop
+  // adds its log and its queue of events. `sensors`: those of this thread, as indices into `runtimes`; all
+  // sensors of a grasp are of the same thread. `output`: rung when alert or state of a sensor or grasp
+  // changes; null: nobody waits. Board, runtimes and output outlive it.
   EstimateLoop(Board& board, std::vector<std::unique_ptr<SensorRuntime>>& runtimes,
-               const AlertSettings& alerts, LogRing& log, Doorbell& bell, Doorbell* output);
+               const std::vector<std::size_t>& sensors, const AlertSettings& alerts, Doorbell* output);
 
-  // The body of the estimate thread. Runs until `stop` is set and `bell` is rung, then retires all
+  // The body of the estimate thread. Runs until `stop` is set and the bell is rung, then retires all
   // estimators.
   void run(const std::atomic<bool>& stop) noexcept;
 
-  // Called from acquire threads, after they published a frame of this sensor. Estimates it here, unless the
-  // estimate is long beside `interval_ns`, the time between two frames of the device, or another thread
-  // estimates now; then that thread or the estimate thread does. Never blocks.
+  // Called from acquire threads, after they published a frame of this sensor, one of this thread's. Estimates
+  // it here, unless the estimate is long beside `interval_ns`, the time between two frames of the device, or
+  // another thread estimates now; then that thread or the estimate thread does. Never blocks.
   void frame_delivered(std::size_t sensor, std::int64_t interval_ns) noexcept;
 
   // Called from any thread. What the estimate thread has to look at has changed.
@@ -44,6 +45,7 @@ class EstimateLoop {
 
  private:
   struct SensorState {
+    std::size_t sensor = 0;  // index into Board::sensors
     SensorRuntime* runtime = nullptr;
     EstimatorInstance* instance = nullptr;   // null: no estimator yet
     const FrameSlot* held = nullptr;         // the frame last taken, valid until the next take
@@ -78,11 +80,14 @@ class EstimateLoop {
 
   Board& board_;
   LogRing& log_;
-  Doorbell& bell_;
+  EventQueue& events_;
+  SharedBoard::Writer shared_;
+  Doorbell bell_;
   Doorbell* output_;
   GraspEvaluator grasp_evaluator_;
   std::vector<SensorState> states_;
-  EstimateTurn<> turn_;  // of all members above
+  std::vector<std::size_t> places_;  // in states_, of each sensor of the board
+  EstimateTurn<> turn_;              // of all members above
   // Until when the estimate thread sleeps, ns; 0: it has not begun. Of who has the turn.
   std::int64_t wake_at_ns_ = 0;
   std::atomic<std::uint64_t> heartbeat_{0};  // relaxed: a counter

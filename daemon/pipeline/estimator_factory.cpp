@@ -25,7 +25,7 @@ std::string why_method_is_replaced(const ChainSetup& setup) {
 
 EstimatorFactory::EstimatorFactory(const Settings& settings,
                                    std::vector<std::unique_ptr<SensorRuntime>>& runtimes, LogRing& log,
-                                   Doorbell& estimate, ModelSource models)
+                                   EstimateThreads& estimate, ModelSource models)
     : settings_(settings), runtimes_(runtimes), log_(log), estimate_(estimate), models_(std::move(models)) {}
 
 EstimatorFactory::~EstimatorFactory() = default;
@@ -65,7 +65,7 @@ void EstimatorFactory::run() {
       make(job);
     } catch (const std::bad_alloc&) {  // no memory even for the message
       runtimes_[job.sensor]->refused.store(true, std::memory_order_relaxed);
-      estimate_.ring();
+      estimate_.of(job.sensor).ring();
     }
   }
 }
@@ -82,7 +82,7 @@ void EstimatorFactory::make(const Job& job) {
     log_.write(LogLevel::error, {runtime.status.name, Cause::configuration}, "%s: no estimator: %s",
                runtime.status.name.c_str(), trouble.c_str());
   }
-  estimate_.ring();
+  estimate_.of(job.sensor).ring();
 }
 
 const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& runtime) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/estimate_threads.hpp"
 #include "daemon/pipeline/sensor_runtime.hpp"
 #include "daemon/rt/thread.hpp"
 
@@ -27,9 +28,9 @@ std::string why_method_is_replaced(const ChainSetup& setup);
 // Thread-safe; each function names its callers.
 class EstimatorFactory {
  public:
-  // `estimate`: rung when an estimator is ready. All references outlive it.
+  // `estimate`: told when an estimator is ready. All references outlive it.
   EstimatorFactory(const Settings& settings, std::vector<std::unique_ptr<SensorRuntime>>& runtimes,
-                   LogRing& log, Doorbell& estimate, ModelSource models);
+                   LogRing& log, EstimateThreads& estimate, ModelSource models);
   ~EstimatorFactory();
 
   // Called from one thread: io. Starts the thread. Once.
@@ -64,7 +65,7 @@ class EstimatorFactory {
   const Settings& settings_;
   std::vector<std::unique_ptr<SensorRuntime>>& runtimes_;
   LogRing& log_;
-  Doorbell& estimate_;
+  EstimateThreads& estimate_;
   ModelSource models_;
   // All that were made and not yet freed. Used by the set-up thread, later by the destructor.
   std::vector<std::unique_ptr<EstimatorInstance>> instances_;

@@ -1,4 +1,4 @@
-// Estimates grasps from the estimates of their sensors. Part of the estimate thread.
+// Estimates grasps from the estimates of their sensors. Part of an estimate thread.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,10 @@ namespace slipd {
 // Not thread-safe. Called from one thread: estimate, except for the constructor.
 class GraspEvaluator {
  public:
-  // For all grasps that are on the board. `board` outlives it. Allocates; nothing else does.
-  GraspEvaluator(Board& board, const AlertSettings& alerts);
+  // For the grasps on the board that `estimates` of `sensors` are about. `shared` is what the thread writes.
+  // All references outlive it. Allocates; nothing else does.
+  GraspEvaluator(Board& board, const std::vector<std::size_t>& sensors, const AlertSettings& alerts,
+                 SharedBoard::Writer& shared);
 
   // A new estimate of this sensor is on the board.
   void mark_updated(std::size_t sensor) noexcept;
@@ -26,6 +28,7 @@ class GraspEvaluator {
 
  private:
   struct GraspState {
+    std::size_t grasp;  // index into Board::grasps
     GraspStatus* status;
     GraspTracker tracker;
     std::vector<Estimate> members;
@@ -33,9 +36,10 @@ class GraspEvaluator {
     State last_state = State::stale;
     Alert last_alert = Alert::unknown;
   };
-  void publish_shared(std::size_t grasp, const Estimate& estimate) noexcept;
+  void publish_shared(const GraspState& grasp_state, const Estimate& estimate) noexcept;
 
   Board& board_;
+  SharedBoard::Writer& shared_;
   std::vector<GraspState> grasp_states_;
 };
 

@@ -5,7 +5,6 @@
 namespace slipd {
 namespace {
 
-constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
 constexpr std::chrono::milliseconds kMoreTime{500};  // for what can only end after the drivers have
 
 // Puts all sensors and grasps on the board.
@@ -58,8 +57,8 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
                    Doorbell* output)
     : settings_(settings),
       runtimes_(make_runtimes(settings, board)),
-      estimator_factory_(settings, runtimes_, new_log(board), bell_, std::move(models)),
-      estimate_loop_(board, runtimes_, settings.alerts, new_log(board), bell_, output),
+      estimate_threads_(settings.realtime, settings.alerts, board, runtimes_, output),
+      estimator_factory_(settings, runtimes_, new_log(board), estimate_threads_, std::move(models)),
       bias_store_(new_log(board), board.io_wakeup) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {
@@ -78,7 +77,7 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
         estimator_factory_.request(sensor, std::move(feed));
       };
       acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, runtimes_, bias_store_,
-                                                      new_log(board), estimate_loop_, std::move(opened)));
+                                                      new_log(board), estimate_threads_, std::move(opened)));
     } catch (const std::exception& error) {
       problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());
     }
@@ -88,10 +87,7 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
 
 void Pipeline::start(const RealtimeGrant& grant) {
   estimator_factory_.start();
-  estimate_thread_ = Thread("estimate", kEstimateStackBytes, [this, grant] {
-    enter_realtime(settings_.realtime, grant);
-    estimate_loop_.run(stop_estimate_);
-  });
+  estimate_threads_.start(grant);
   for (auto& acquirer : acquirers_) acquirer->start(settings_.realtime, grant);
 }
 
@@ -107,9 +103,8 @@ bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
     note(acquirer->join_until(deadline), "the driver of " + acquirer->sensors());
   bias_store_.request_stop();
   note(bias_store_.join_until(later), "the store of zeros");
-  stop_estimate_.store(true, std::memory_order_relaxed);
-  bell_.ring();
-  note(estimate_thread_.join_until(later), "the estimate thread");
+  estimate_threads_.request_stop();
+  note(estimate_threads_.join_until(later), "an estimate thread");
   note(estimator_factory_.join_until(later), "the set-up of an estimator");
   return unfinished_.empty();
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/pipeline/acquirer.hpp"
-#include "daemon/pipeline/estimate_loop.hpp"
+#include "daemon/pipeline/estimate_threads.hpp"
 #include "daemon/pipeline/estimator_factory.hpp"
 
 namespace slipd {
@@ -38,22 +38,19 @@ class Pipeline {
   // What had not ended when stop() returned, for people: "the driver of left"; empty: all had.
   const std::string& unfinished() const noexcept { return unfinished_; }
 
-  // Called from any thread. Increases at least four times a second while the estimate thread runs.
-  std::uint64_t heartbeat() const noexcept { return estimate_loop_.heartbeat(); }
+  // Whether each estimate thread has run since the last call, which was at least a quarter of a second ago.
+  bool all_ran() noexcept { return estimate_threads_.all_ran(); }
 
-  // Called from any thread, after a request for the estimate thread was written to the board. Wakes it.
-  void ring() noexcept { bell_.ring(); }
+  // Called from any thread, after a request for estimate threads was written to the board. Wakes them.
+  void ring() noexcept { estimate_threads_.ring(); }
 
  private:
   const Settings& settings_;
-  Doorbell bell_;
   std::vector<std::unique_ptr<SensorRuntime>> runtimes_;
+  EstimateThreads estimate_threads_;
   EstimatorFactory estimator_factory_;
-  EstimateLoop estimate_loop_;
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
-  BiasStore bias_store_;                    // declared last of these: destroyed before the sensors it uses
-  std::atomic<bool> stop_estimate_{false};  // relaxed: bell_ orders it
-  Thread estimate_thread_;
+  BiasStore bias_store_;  // declared last of these: destroyed before the sensors it uses
   std::string unfinished_;
 };
 

@@ -148,7 +148,9 @@ void Server::wait_for_events() {
 void Server::drain_events() {
   context_.board.io_wakeup.clear();
   take_events();
-  if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
+  const auto& queues = context_.board.events;
+  if (std::any_of(queues.begin(), queues.end(), [](const auto& each) { return each.read_available() > 0; }))
+    context_.board.io_wakeup.notify();
   context_.board.shared.wake_others();
   trigger_on_grasp_slip();
   complete_frames();
@@ -158,9 +160,8 @@ void Server::drain_events() {
 void Server::take_events() {
   Event event;
   // Only events that are queued now, so that a steady flow does not block the clients.
-  for (std::size_t left = context_.board.events.read_available();
-       left > 0 && context_.board.events.pop(event); --left) {
-    dispatch(event);
+  for (EventQueue& queue : context_.board.events) {
+    for (std::size_t left = queue.read_available(); left > 0 && queue.pop(event); --left) dispatch(event);
   }
 }
 

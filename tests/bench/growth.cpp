@@ -39,6 +39,7 @@ struct Hand {
   std::size_t side = 4;
   double rate_hz = 1000;
   bool bus = false;  // all of them on one device, which delivers a frame of each at every tick
+  int threads = 0;   // realtime.estimate_threads
 };
 
 json sensors_of(const Hand& hand) {
@@ -173,7 +174,9 @@ void measure(const Hand& hand, double one_estimate_us) {
   const auto how_long = std::chrono::nanoseconds(length(3s));
   const double alone = devices_alone(hand, how_long / 3);
   const TempFolder folder;
-  const Daemon daemon(config(folder, sensors_of(hand), "moments"), testing::trial_drivers(), state());
+  json settings = config(folder, sensors_of(hand), "moments");
+  settings["realtime"]["estimate_threads"] = hand.threads;
+  const Daemon daemon(settings, testing::trial_drivers(), state());
   wait_for_estimates(daemon, 20);
   const pid_t pid = daemon.program().pid();
   BoardWatch watch(daemon, "s0");
@@ -198,6 +201,7 @@ void measure(const Hand& hand, double one_estimate_us) {
                  {"side", hand.side},
                  {"rate_hz", hand.rate_hz},
                  {"way", hand.bus ? "bus" : "devices"},
+                 {"threads", daemon.client().result("status")["realtime"]["estimate_threads"]},
                  {"cpu", (after.all_s() - before.all_s()) / seconds},
                  {"acquire", (after.acquire_s - before.acquire_s) / seconds},
                  {"estimate", (after.estimate_s - before.estimate_s) / seconds},
@@ -227,10 +231,13 @@ void growth() {
   }
 }
 
-// The two that the page has goals for, and one sensor beside them.
+// The two that the page has goals for, and beside them one sensor, and one thread for what has two by itself.
 void growth_goals() {
-  const Hand hands[] = {
-      {1, 16, 1000, false}, {16, 16, 1000, false}, {1, 4, 1000, true}, {128, 4, 1000, true}};
+  const Hand hands[] = {{1, 16, 1000, false},
+                        {16, 16, 1000, false},
+                        {1, 4, 1000, true},
+                        {128, 4, 1000, true, 1},
+                        {128, 4, 1000, true}};
   for (const Hand& hand : hands) measure(hand, estimate_us(hand.side));
 }
 

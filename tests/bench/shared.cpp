@@ -46,9 +46,10 @@ double cost_ns(const std::function<void()>& call) {
 
 void reads(slipd_client* client) {
   SharedBoard board;
+  SharedBoard::Writer writer(board);
   board.open({"left"}, {});
   bool is_new = false;
-  board.begin_round(now_ns(), is_new);
+  writer.begin_round(now_ns(), is_new);
   client::BoardView view;
   if (const std::string why = view.map(board.descriptor()); !why.empty()) throw std::runtime_error(why);
   Estimate estimate;
@@ -64,9 +65,9 @@ void reads(slipd_client* client) {
   });
   values["record_ns"] = cost_ns([&] { benchmark::DoNotOptimize(view.record(0)); });
   values["latest_ns"] = cost_ns([&] { slipd_latest(client, "left", 1, &now); });
-  values["write_ns"] = cost_ns([&] { board.publish_sensor(0, estimate, false); });
+  values["write_ns"] = cost_ns([&] { writer.publish_sensor(0, estimate, false); });
   const auto attachment = board.wait_for({0});
-  values["write_and_wake_nobody_ns"] = cost_ns([&] { board.publish_sensor(0, estimate, false); });
+  values["write_and_wake_nobody_ns"] = cost_ns([&] { writer.publish_sensor(0, estimate, false); });
   say("shared reads", values);
 }
 

@@ -29,9 +29,9 @@ class SharedBoardTest : public ::testing::Test {
   void SetUp() override {
     board_.open({"left", "right"}, {"cup"});
     bool is_new = false;
-    ASSERT_TRUE(board_.begin_round(1234, is_new));
+    ASSERT_TRUE(writer_.begin_round(1234, is_new));
     EXPECT_TRUE(is_new);
-    ASSERT_TRUE(board_.begin_round(12345, is_new));
+    ASSERT_TRUE(writer_.begin_round(12345, is_new));
     EXPECT_FALSE(is_new);
     ASSERT_EQ(view_.map(board_.descriptor()), "");
   }
@@ -47,6 +47,7 @@ class SharedBoardTest : public ::testing::Test {
     return estimate;
   }
   SharedBoard board_;
+  SharedBoard::Writer writer_{board_};
   BoardView view_;
 };
 
@@ -58,6 +59,19 @@ T at(const std::byte* memory, std::size_t offset) {
   return value;
 }
 
+TEST_F(SharedBoardTest, HasTheHeartbeatOfTheWriterThatIsFurthestBehind) {
+  SharedBoard::Writer other(board_);
+  bool is_new = false;
+  writer_.begin_round(20000, is_new);
+  EXPECT_EQ(view_.heartbeat_ns(), 0) << "the other has not written its records yet";
+  other.begin_round(20001, is_new);
+  EXPECT_TRUE(is_new);
+  EXPECT_EQ(view_.heartbeat_ns(), 20000);
+  writer_.begin_round(30000, is_new);
+  writer_.begin_round(40000, is_new);
+  EXPECT_EQ(view_.heartbeat_ns(), 20001);
+}
+
 TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
   Estimate estimate = estimate_number(7);
   estimate.gamma = 0.25;
@@ -65,10 +79,10 @@ TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
   estimate.alert = Alert::slip;
   estimate.alert_cause = AlertCause::sliding;
   estimate.health = Health::spike;
-  board_.publish_sensor(1, estimate, true);
+  writer_.publish_sensor(1, estimate, true);
   Estimate together = estimate_number(9);
   together.first_gamma = 0.125;
-  board_.publish_grasp(0, together, 5, false, 1);
+  writer_.publish_grasp(0, together, 5, false, 1);
   const UniqueFd file = board_.descriptor();
   void* const mapped = mmap(nullptr, board_.bytes(), PROT_READ, MAP_SHARED, file.get(), 0);
   ASSERT_NE(mapped, MAP_FAILED);
@@ -117,7 +131,7 @@ TEST_F(SharedBoardTest, AMarginIsANumberInStateOkOnly) {
   for (int state = 0; state <= static_cast<int>(State::fault); ++state) {
     Estimate estimate = estimate_number(3);
     estimate.state = static_cast<State>(state);
-    board_.publish_sensor(0, estimate, false);
+    writer_.publish_sensor(0, estimate, false);
     EXPECT_EQ(std::isnan(view_.record(0).gamma), estimate.state != State::ok) << to_string(estimate.state);
   }
 }
@@ -149,7 +163,7 @@ TEST_F(SharedBoardTest, NoReceiverOfTheDescriptorCanChangeIt) {
   const UniqueFd again(open(("/proc/self/fd/" + std::to_string(passed.get())).c_str(), O_RDWR | O_CLOEXEC));
   ASSERT_TRUE(again) << "this is why a descriptor reopened for reading would not be enough";
   attempts(again.get());
-  board_.publish_sensor(0, estimate_number(1), false);
+  writer_.publish_sensor(0, estimate_number(1), false);
   EXPECT_EQ(view_.record(0).sequence, 1U);
 }
 
@@ -175,7 +189,7 @@ TEST_F(SharedBoardTest, ReadersFindWholeRecordsInTheirOrder) {
     });
   }
   while (reading < 3) std::this_thread::yield();
-  for (std::uint64_t i = 1; i <= kRecords; ++i) board_.publish_sensor(0, estimate_number(i), false);
+  for (std::uint64_t i = 1; i <= kRecords; ++i) writer_.publish_sensor(0, estimate_number(i), false);
 }
 
 // The kernel lets a reader sleep on a word that it cannot write.
@@ -203,7 +217,7 @@ TEST_F(SharedBoardTest, AReaderOfReadOnlyMemoryIsWoken) {
     }
   });
   for (std::uint64_t i = 1; i <= 100; ++i) {
-    board_.publish_sensor(0, estimate_number(i), false);
+    writer_.publish_sensor(0, estimate_number(i), false);
     while (got < i) std::this_thread::yield();
   }
 }
@@ -211,13 +225,13 @@ TEST_F(SharedBoardTest, AReaderOfReadOnlyMemoryIsWoken) {
 TEST_F(SharedBoardTest, MoreReadersThanTheWriterWakesAreLeftToIo) {
   std::vector<SharedBoard::Attachment> attached;
   for (std::uint32_t i = 0; i < SharedBoard::kWokenDirectly; ++i) attached.push_back(board_.wait_for({0}));
-  EXPECT_FALSE(board_.publish_sensor(0, estimate_number(1), false));
+  EXPECT_FALSE(writer_.publish_sensor(0, estimate_number(1), false));
   attached.push_back(board_.wait_for({0}));
-  EXPECT_TRUE(board_.publish_sensor(0, estimate_number(2), false));
-  EXPECT_FALSE(board_.publish_sensor(1, estimate_number(2), false)) << "nobody waits for it";
+  EXPECT_TRUE(writer_.publish_sensor(0, estimate_number(2), false));
+  EXPECT_FALSE(writer_.publish_sensor(1, estimate_number(2), false)) << "nobody waits for it";
   board_.wake_others();
   attached.pop_back();
-  EXPECT_FALSE(board_.publish_sensor(0, estimate_number(3), false));
+  EXPECT_FALSE(writer_.publish_sensor(0, estimate_number(3), false));
 }
 
 TEST_F(SharedBoardTest, WhenItIsClosedItsReadersWake) {

@@ -68,6 +68,7 @@ TEST(Settings, OfAMinimalDocumentAreTheDefaultsOfTheStructs) {
   EXPECT_EQ(s.realtime.mode, d.realtime.mode);
   EXPECT_EQ(s.realtime.priority, d.realtime.priority);
   EXPECT_EQ(s.realtime.cpus, d.realtime.cpus);
+  EXPECT_EQ(s.realtime.estimate_threads, d.realtime.estimate_threads);
   EXPECT_EQ(s.realtime.lock_memory, d.realtime.lock_memory);
   EXPECT_EQ(s.log_level, d.log_level);
   EXPECT_TRUE(s.grasps.empty());
@@ -198,6 +199,7 @@ TEST(Settings, CarryEveryKeyInSIUnits) {
   EXPECT_EQ(s.realtime.mode, RealtimeMode::enforce);
   EXPECT_EQ(s.realtime.priority, 50);
   EXPECT_THAT(s.realtime.cpus, ElementsAre(1, 2));
+  EXPECT_EQ(s.realtime.estimate_threads, 3);
   EXPECT_FALSE(s.realtime.lock_memory);
   EXPECT_EQ(s.log_level, "debug");
 }

@@ -84,7 +84,7 @@ inline nlohmann::json whole_document() {
     "can": { "interface": "can1", "base_id": "0x100", "extended": true, "fd": true, "period_ms": 20, "allow_simulated": true, "sliding": true },
     "recorder": { "seconds": 5, "max_mb": 10, "keep": 3 },
     "metrics": { "file": "/run/slipd/slipd.prom", "period_s": 30 },
-    "realtime": { "mode": "enforce", "priority": 50, "cpus": [1, 2], "lock_memory": false },
+    "realtime": { "mode": "enforce", "priority": 50, "cpus": [1, 2], "estimate_threads": 3, "lock_memory": false },
     "log": { "level": "debug" } })");
 }
 

@@ -107,6 +107,7 @@ class Stage {
       status.bias.needed = true;
       status.link = DeviceLink::open;
     }
+    board_.events.emplace_back();
     board_.grasps.push_back(std::make_unique<GraspStatus>("gripper", std::vector<std::size_t>{0, 1}));
     const UniqueFd listener = make_listener(address_, length_);
     server_.emplace(io_, context_, clients_, recorder_, dup(listener.get()));
@@ -188,7 +189,7 @@ class Stage {
     said.estimate.published_ns = Now::read().monotonic_ns;
     if (said.estimate.state == State::ok) said.estimate.gamma = 0.5;
     board_.sensors[0]->latest.store(said);
-    board_.events.push({said.estimate, 0, 0});
+    board_.events.front().push({said.estimate, 0, 0});
     board_.io_wakeup.notify();
   }
 

@@ -30,7 +30,10 @@ json setting(int value) {
 json realtime_json(const ServiceContext& context) {
   const RealtimeSettings& asked = context.settings.realtime;
   static constexpr const char* kModes[] = {"enforce", "prefer", "off"};
-  json result{{"mode", kModes[static_cast<std::size_t>(asked.mode)]}, {"asked", nullptr}, {"got", nullptr}};
+  json result{{"mode", kModes[static_cast<std::size_t>(asked.mode)]},
+              {"estimate_threads", context.board.events.size()},
+              {"asked", nullptr},
+              {"got", nullptr}};
   if (asked.mode == RealtimeMode::off) return result;
   result["asked"] = {{"priority", asked.priority}, {"cpus", asked.cpus}, {"lock_memory", asked.lock_memory}};
   result["got"] = {{"priority", context.realtime.scheduling ? json(asked.priority) : json(nullptr)},

@@ -43,7 +43,7 @@ class CanSchedulerTest : public ::testing::Test {
     }
     for (const auto& grasp : settings_.grasps)
       board_.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::vector<std::size_t>{0, 1}));
-    grasp_evaluator_.emplace(board_, settings_.alerts);
+    grasp_evaluator_.emplace(board_, std::vector<std::size_t>{0, 1}, settings_.alerts, shared_);
     scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
 
@@ -77,6 +77,7 @@ class CanSchedulerTest : public ::testing::Test {
 
   Settings settings_;
   Board board_;
+  SharedBoard::Writer shared_{board_.shared};
   FakePort port_;
   LogRing log_;
   CanScheduler::Time now_{1000s}, due_{};
