@@ -139,7 +139,8 @@ struct alignas(64) Header {
   std::uint32_t pid = 0;
   std::uint32_t reserved_word = 0;
   std::uint64_t reserved = 0;
-  // When the estimate thread last went round, ns, CLOCK_MONOTONIC; 0: not yet since the memory was made.
+  // When the estimate thread that is furthest behind last went round, ns, CLOCK_MONOTONIC; 0: one has not yet
+  // since the memory was made.
   // Relaxed: no other memory is read because of it.
   alignas(64) std::atomic<std::int64_t> heartbeat_ns{0};
   // 1: slipd has stopped or taken up another configuration; attach anew. Release and acquire: after it no

@@ -17,7 +17,9 @@ TriedBroker::~TriedBroker() {
 }
 
 void TriedBroker::note(const std::string& broker) {
-  std::ofstream(file_) << broker << '\n';
+  if (broker == noted_) return;
+  std::ofstream out(file_);
+  if (out << broker << '\n' << std::flush) noted_ = broker;
 }
 
 }  // namespace slipd::mqtt

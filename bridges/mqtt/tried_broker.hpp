@@ -29,6 +29,7 @@ class TriedBroker {
  private:
   std::filesystem::path file_;
   std::optional<std::string> left_behind_;
+  std::string noted_;  // what the file has
 };
 
 }  // namespace slipd::mqtt

@@ -117,22 +117,36 @@ TEST(Law, AddsForceAheadOfAForecastSlip) {
   EXPECT_EQ(falling.law.state(), State::tightening);
 }
 
-// A pull that grows steadily, as in a lift, with a gripper that follows late.
+// Carries out orders as late as LawSettings::delay_s says.
+class LateGripper {
+ public:
+  explicit LateGripper(Held& held) : held_(held), orders_(4, held.law.force_n()) {}
+  double acting_n() const { return orders_.front(); }
+  double ordered_n() const { return orders_.back(); }
+  void step(const Reading& now) {
+    orders_.pop_front();
+    orders_.push_back(held_.step(now).force_n);
+  }
+
+ private:
+  Held& held_;
+  std::deque<double> orders_;
+};
+
+// A pull that grows steadily, as in a lift.
 TEST(Law, IsAheadOfALoadThatGrows) {
   LawSettings settings;
   settings.target_margin = 0.1;
   Held held(settings);
   held.close();
   held.hold(3, 20);
-  std::deque<double> orders(4, held.law.force_n());            // as late as LawSettings::delay_s
+  LateGripper gripper(held);
   for (double needed_n = 3; needed_n < 10; needed_n += 0.2) {  // 40 N a second
-    const double acting_n = orders.front();
-    Reading now = margin_of(std::max(0.0, 1 - needed_n / acting_n));
+    // That it grows has to show first.
+    if (needed_n >= 5) EXPECT_GE(gripper.acting_n(), needed_n);
+    Reading now = margin_of(std::max(0.0, 1 - needed_n / gripper.acting_n()));
     now.shear_n = kShearN / 3 * needed_n;
-    orders.pop_front();
-    orders.push_back(held.step(now).force_n);
-    if (needed_n < 5) continue;  // that it grows has to show first
-    EXPECT_GE(acting_n, needed_n);
+    gripper.step(now);
   }
 }
 
@@ -143,13 +157,12 @@ TEST(Law, DoesNotTakeNoiseOfTheLoadForGrowth) {
   held.close();
   held.hold(3, 20);
   const double before_n = held.law.force_n();
-  std::deque<double> orders(4, before_n);  // as late as LawSettings::delay_s
+  LateGripper gripper(held);
   for (int i = 0; i < 2000; ++i) {
-    Reading now = margin_of(1 - 3 / orders.front());
+    Reading now = margin_of(1 - 3 / gripper.acting_n());
     now.shear_n = kShearN * (1 + random.uniform(next++, -0.03, 0.03));
-    orders.pop_front();
-    orders.push_back(held.step(now).force_n);
-    EXPECT_LT(orders.back(), 1.1 * before_n);
+    gripper.step(now);
+    EXPECT_LT(gripper.ordered_n(), 1.1 * before_n);
   }
 }
 

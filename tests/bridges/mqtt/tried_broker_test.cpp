@@ -31,6 +31,18 @@ TEST(TriedBroker, IsTheLastOneThatWasNotedBeforeAnEndThatWasNotMeant) {
   EXPECT_EQ(TriedBroker(folder.file("a.broker")).left_behind(), "two:1883");
 }
 
+TEST(TriedBroker, IsWrittenOnceHoweverOftenItIsTried) {
+  const TempFolder folder;
+  const auto file = folder.file("a.broker");
+  TriedBroker tried(file);
+  tried.note("one:1883");
+  std::filesystem::remove(file);
+  tried.note("one:1883");
+  EXPECT_FALSE(std::filesystem::exists(file));
+  tried.note("two:1883");
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
 TEST(TriedBroker, IsNotRememberedWhereTheFileCannotBeWritten) {
   TriedBroker tried("/nowhere/a.broker");
   tried.note("one:1883");
