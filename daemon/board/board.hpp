@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
-#include <deque>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -188,9 +188,9 @@ struct Board {
   // In the order of the configuration.
   std::vector<std::unique_ptr<GraspStatus>> grasps;
   // One for each estimate thread.
-  std::deque<EventQueue> events;
+  std::list<EventQueue> events;
   // One for each real-time thread, which writes it. Read by one thread: io.
-  std::deque<LogRing> logs;
+  std::list<LogRing> logs;
   // The estimates in memory that clients map. Written by estimate threads. Made by io.
   SharedBoard shared;
   // Notified after something was written that io waits for.

@@ -79,7 +79,7 @@ void write_log(LogLevel level, const LogContext& context, std::string_view text)
   spdlog::log(at, "{}", text);
 }
 
-void drain_logs(std::deque<LogRing>& rings, LogLimit& limit) {
+void drain_logs(std::list<LogRing>& rings, LogLimit& limit) {
   const auto now = LogLimit::Clock::now();
   LogLine line;
   for (LogRing& ring : rings) {

@@ -4,7 +4,7 @@
 // limited by LogLimit.
 #pragma once
 
-#include <deque>
+#include <list>
 #include <string>
 #include <string_view>
 
@@ -24,6 +24,6 @@ void write_log(LogLevel level, const LogContext& context, std::string_view text)
 
 // Called from one thread: io. Prints all lines in the rings, as far as `limit` admits them, and what `limit`
 // suppressed in windows that are over.
-void drain_logs(std::deque<LogRing>& rings, LogLimit& limit);
+void drain_logs(std::list<LogRing>& rings, LogLimit& limit);
 
 }  // namespace slipd
