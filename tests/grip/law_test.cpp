@@ -142,7 +142,7 @@ TEST(Law, IsAheadOfALoadThatGrows) {
   held.hold(3, 20);
   LateGripper gripper(held);
   for (double needed_n = 3; needed_n < 10; needed_n += 0.2) {  // 40 N a second
-    if (needed_n >= 5) {  // that it grows has to show first
+    if (needed_n >= 5) {                                       // that it grows has to show first
       EXPECT_GE(gripper.acting_n(), needed_n);
     }
     Reading now = margin_of(std::max(0.0, 1 - needed_n / gripper.acting_n()));
