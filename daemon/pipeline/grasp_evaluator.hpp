@@ -11,8 +11,8 @@ namespace slipd {
 // Not thread-safe. Called from one thread: estimate, except for the constructor.
 class GraspEvaluator {
  public:
-  // For the grasps on the board that `estimates` of `sensors` are about. `shared` is what the thread writes.
-  // All references outlive it. Allocates; nothing else does.
+  // For the grasps on the board that have these sensors. `shared` is what the thread writes. All references
+  // outlive it. Allocates; nothing else does.
   GraspEvaluator(Board& board, const std::vector<std::size_t>& sensors, const AlertSettings& alerts,
                  SharedBoard::Writer& shared);
 
