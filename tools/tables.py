@@ -1,6 +1,7 @@
 """Splits a long generated text into pages of docs/tables, each with its date, commit, machine and command, and writes each table as CSV, too."""
 import csv
 import datetime
+import pathlib
 import platform
 import re
 import subprocess
@@ -33,6 +34,14 @@ def stamp(root, command, machine=None):
 
     changed = " with changes" if git("status", "--porcelain", "--untracked-files=no") else ""
     return f"Measured on {datetime.date.today()} at commit {git('rev-parse', '--short', 'HEAD')}{changed} on {machine or platform.machine()} by `{command}`."
+
+
+def processor():
+    """The name of this machine's processor."""
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.machine()
 
 
 def cells(line):
