@@ -44,6 +44,18 @@ def processor():
     return platform.machine()
 
 
+def markdown(head, rows):
+    """A table as Markdown."""
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def replace_between(page, begin, end, text):
+    """Puts `text` in place of what `page`, a path, has between two marks."""
+    before, _, rest = page.read_text().partition(begin)
+    page.write_text(f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}")
+
+
 def cells(line):
     return [cell.strip().strip("*") for cell in line.strip().strip("|").split("|")]
 

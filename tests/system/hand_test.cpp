@@ -81,16 +81,17 @@ TEST(Hand, AGraspOfAllSensorsLeavesOneThreadToEstimate) {
 class HalfHungHand : public ::testing::Test {
  protected:
   HalfHungHand() {
-    wait_until_it_says("READY=1");
+    EXPECT_TRUE(says("READY=1"));
     slipd_open(&client_, config_["socket"]["path"].get_ref<const std::string&>().c_str());
     EXPECT_EQ(slipd_attach(client_, nullptr, kAnyAge), SLIPD_DONE);
   }
   ~HalfHungHand() override { slipd_close(client_); }
-  // Or ends: then the test fails by what follows.
-  void wait_until_it_says(const char* text) {
+  // Waits until slipd says this to its manager. False: it has ended before.
+  bool says(const char* text) {
     while (!manager_.says(text, 100ms)) {
-      if (slipd_.wait(0ms)) return;
+      if (slipd_.wait(0ms)) return false;
     }
+    return true;
   }
   int latest(const char* sensor) {
     slipd_estimate now;
@@ -108,22 +109,23 @@ class HalfHungHand : public ::testing::Test {
 };
 
 TEST_F(HalfHungHand, IsSeenByReadersOfEachSensorAndByTheWatchdog) {
-  wait_until_it_says("WATCHDOG=1");
+  ASSERT_TRUE(says("WATCHDOG=1"));
   Program holder(folder_, "holder",
                  {(std::filesystem::path(SLIPD_BINARY_DIR) / "test-bin/stop-thread").string(),
                   std::to_string(slipd_.pid()), "estimate 2"});
   while (holder.output().find("stopped") == std::string::npos) {
     if (holder.wait(10ms)) GTEST_SKIP() << "threads may not be stopped here: root may";
   }
-  while (slipd_heartbeat_age(client_) < 1) std::this_thread::sleep_for(10ms);
+  while (slipd_heartbeat_age(client_) < 1) ASSERT_FALSE(slipd_.wait(10ms));
   EXPECT_EQ(latest("s0"), SLIPD_ATTACH_ANEW);
   EXPECT_EQ(latest("s1"), SLIPD_ATTACH_ANEW);
   manager_.forget();
-  EXPECT_FALSE(manager_.says("WATCHDOG=1", 1500ms)) << "and it is fed twice a second else";
+  const auto until = std::chrono::steady_clock::now() + 1500ms;  // it is fed twice a second else
+  while (std::chrono::steady_clock::now() < until) EXPECT_FALSE(manager_.says("WATCHDOG=1", 100ms));
 
   holder.signal(SIGKILL);
-  wait_until_it_says("WATCHDOG=1");
-  while (slipd_heartbeat_age(client_) > 0.1) std::this_thread::sleep_for(10ms);
+  ASSERT_TRUE(says("WATCHDOG=1"));
+  while (slipd_heartbeat_age(client_) > 0.1) ASSERT_FALSE(slipd_.wait(10ms));
 }
 
 }  // namespace
