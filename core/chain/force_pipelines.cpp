@@ -28,9 +28,8 @@ void ForcePipeline::estimate_by_sums(const ContactPatch& patch, const SlidingVer
   const EquivalentPullResult pull = pull_of(patch);
   out.pull_n = pull.pull_n;
   const ContactPatch pulled = with_pull(patch, pull);
-  margin().estimate({.time_ns = out.time_ns,
-                     .measured = patch,
-                     .step = follow(patch),
+  margin().estimate({.measured = patch,
+                     .step = follow(load_of(out.time_ns, patch, pulled, false)),
                      .acting = pulled,
                      .previous_sliding = previous},
                     decision, out);
@@ -66,9 +65,8 @@ void FlatPadPipeline::estimate(const Frame& frame, const ContactPatch& patch, co
   const EquivalentPullResult pull = pull_of(unpressed);
   out.pull_n = patch.shear_n;
   if (field.internal_share > kMaxInternalShare) decision.refuse(State::out_of_model);
-  margin().estimate({.time_ns = out.time_ns,
-                     .measured = patch,
-                     .step = follow(patch),
+  margin().estimate({.measured = patch,
+                     .step = follow(load_of(out.time_ns, patch, patch, false)),
                      .acting = patch,
                      .shared = shared(frame, patch),
                      .previous_sliding = previous},

@@ -39,9 +39,9 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
   const ContactPatch pulled = with_pull(patch, pull);
   const std::optional<Reading> reading = read(frame, patch, pulled, pull);
   const SurfaceLoad load = forces_->of(patch, pulled, reading.value_or(Reading{}), out);
-  margin().estimate({.time_ns = out.time_ns,
-                     .measured = patch,
-                     .step = follow(patch),
+  const bool under_torque = reading && reading->under_torque;
+  margin().estimate({.measured = patch,
+                     .step = follow(load_of(out.time_ns, patch, load.acting, under_torque)),
                      .acting = load.acting,
                      .reading = reading ? &*reading : nullptr,
                      .previous_sliding = previous},

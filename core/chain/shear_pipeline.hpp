@@ -25,8 +25,8 @@ class ShearPipeline : public ContactPipeline {
 
   // Once for each frame.
   EquivalentPullResult pull_of(const ContactPatch& patch) noexcept;
-  // Once for each frame: the step of the forces as measured.
-  LoadStep follow(const ContactPatch& patch) noexcept { return path_.follow(patch); }
+  // Once for each frame.
+  LoadStep follow(const Load& load) noexcept { return path_.follow(load); }
   MarginSource& margin() const noexcept { return *margin_; }
   // The last of a frame: the lower bound by the load that acts, and what a gripper could do. internal_n: what
   // taxels carry against each other, N.

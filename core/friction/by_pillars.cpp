@@ -32,9 +32,9 @@ double FrictionByPillars::common_sigma(const ContactPatch& patch) const noexcept
 
 void FrictionByPillars::update(const FrictionFrame& frame) noexcept {
   const ContactPatch& patch = frame.patch;
-  const double seconds = begin_frame(frame);
+  begin_frame(frame);
   bound_by_held();
-  beds_.follow(patch, seconds);
+  beds_.follow(patch, frame.step.seconds());
   weigh_frame();
   posterior_.conclude();
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <optional>
 
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
@@ -30,6 +30,7 @@ void FrictionByShape::reset() noexcept {
   forces_.reset();
   foundations_.clear();
   grasp_ = {};
+  frame_ = {};
 }
 
 void FrictionByShape::lose_sight() noexcept {
@@ -42,9 +43,9 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   const Reading* const reading = frame.reading;
   begin_frame(frame);
   bound_by_held();
-  const bool turning = reading != nullptr && reading->under_torque;
-  if (!turning) follow(patch);
-  grasp_.turning = turning;
+  const bool turning = frame.step.now.under_torque;
+  frame_ = {.turning = turning};
+  if (!turning) follow(patch, frame.step.previous.value_or(Load{}).under_torque);
   const bool clear = reading != nullptr && patch.shear_n > kStrongSigmas * patch.shear_sigma_n;
   verify(frame, clear);
   if (clear && (turning ? weigh_torque(*reading) : weigh_frame(frame))) grasp_.unverified_frames = 0;
@@ -57,22 +58,25 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
     foundations_.take_over(before, [this](std::size_t j) { return posterior_.has_changed(j); });
 }
 
-void FrictionByShape::follow(const ContactPatch& patch) noexcept {
+void FrictionByShape::follow(const ContactPatch& patch, bool was_turning) noexcept {
   // Under a torque the axis rested.
-  if (forces_.aim(patch) && !grasp_.turning) lose_history(HistoryEvent::shear_turned);
-  forces_.follow(patch);
-  foundations_.follow(forces_.normal_n(), forces_.shear_n());
-  if (grasp_.turning) {  // what a torque left in the contact is not known; friction is
+  if (forces_.aim(patch)) {
+    foundations_.assume_monotonic(foundations_.normal_n(), patch.shear_n);
+    if (!was_turning) FrictionFilter::lose_history(HistoryEvent::shear_turned);
+  }
+  const SignedLoad load = forces_.follow(patch, {foundations_.normal_n(), foundations_.asked_n()});
+  foundations_.follow(load.normal_n, load.shear_n);
+  if (was_turning) {  // what a torque left in the contact is not known; friction is
     history_.lose(HistoryEvent::shear_turned);
     grasp_.margin_offset = {};
-    foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
+    foundations_.assume_monotonic(load.normal_n, load.shear_n);
   }
   if (forces_.loaded_at_onset(patch)) lose_history(HistoryEvent::loaded_at_onset);
 }
 
 void FrictionByShape::lose_history(HistoryEvent why) noexcept {
   FrictionFilter::lose_history(why);
-  foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
+  foundations_.assume_monotonic(foundations_.normal_n(), foundations_.asked_n());
 }
 
 // Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
@@ -203,7 +207,6 @@ bool FrictionByShape::compare_moments(const ContactPatch& patch, const Reading& 
 
 // Whether memory may answer. `clear`: the frame's shear is far above the noise.
 void FrictionByShape::verify(const FrictionFrame& frame, bool clear) noexcept {
-  const bool was_clear = std::exchange(grasp_.last_clear, clear);
   if (clear) {
     grasp_.shear_lost = false;
     ++grasp_.unverified_frames;
@@ -211,6 +214,8 @@ void FrictionByShape::verify(const FrictionFrame& frame, bool clear) noexcept {
   }
   const double limit_n = likeliest() * frame.patch.normal_n;
   const double moved_n = frame.step.shear_moved_n();
+  const std::optional<Load>& before = frame.step.previous;
+  const bool was_clear = before && before->ratio().mean > kStrongSigmas * before->ratio_sigma;
   if (was_clear && frame.patch.shear_n < moved_n && kGrown * moved_n > limit_n) grasp_.shear_lost = true;
 }
 

@@ -27,7 +27,7 @@ class FrictionByShape final : public FrictionFilter {
   }
   bool shear_lost() const noexcept override { return grasp_.shear_lost; }
   bool understood() const noexcept override {
-    return (grasp_.turning || is_known(history())) && explained_of_late();
+    return (frame_.turning || is_known(history())) && explained_of_late();
   }
 
  protected:
@@ -36,17 +36,16 @@ class FrictionByShape final : public FrictionFilter {
  private:
   // What a new grasp forgets.
   struct GraspState {
-    bool turning = false;     // the last frame's shear was changed by a torque
     MeanSigma margin_offset;  // see margin_offset()
     // The most, since the load was last monotonic, of what taxels make of shear moments, N.
     contact::ShearMoments locked_in_sigma;
     bool other_history = false;  // the load was not monotonic once
-    bool last_clear = false;     // the last frame's shear was far above its noise
     bool shear_lost = false;     // shear fell to noise in one step
     int unverified_frames = 0;   // frames in a row with a clear shear that said nothing of friction
   };
 
-  void follow(const ContactPatch& patch) noexcept;
+  // was_turning: the frame before was under a torque.
+  void follow(const ContactPatch& patch, bool was_turning) noexcept;
   bool looks_monotonic(double normal_n, double load) noexcept;
   // True if the frame said something of friction.
   bool weigh_torque(const Reading& reading) noexcept;
@@ -65,6 +64,10 @@ class FrictionByShape final : public FrictionFilter {
   FollowedForces forces_;
   WinklerFoundations foundations_;
   GraspState grasp_;
+  struct ThisFrame {
+    bool turning = false;  // its shear was changed by a torque
+  };
+  ThisFrame frame_;
 };
 
 }  // namespace slipd

@@ -35,22 +35,14 @@ bool ShearAxis::aim(const ContactPatch& patch, double reaim_ratio) noexcept {
   return turned && was_sure;
 }
 
-bool FollowedForces::aim(const ContactPatch& patch) noexcept {
-  const bool turned = axis_.aim(patch, options_.reaim_ratio);
-  if (turned) shear_n_ = patch.shear_n;
-  return turned;
-}
-
-void FollowedForces::follow(const ContactPatch& patch) noexcept {
+SignedLoad FollowedForces::follow(const ContactPatch& patch, const SignedLoad& from) const noexcept {
   const double least_n = options_.band_share * patch.normal_n;
-  const double normal_to =
-      drag(normal_n_, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n);
-  const double shear_to =
-      drag(shear_n_, axis_.along_n(forces_of(patch)),
-           options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n);
-  if (normal_to == normal_n_ && shear_to == shear_n_) return;
-  normal_n_ = std::max(normal_to, least_n);
-  shear_n_ = shear_to;
+  const SignedLoad to{
+      .normal_n = drag(from.normal_n, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n),
+      .shear_n = drag(from.shear_n, axis_.along_n(forces_of(patch)),
+                      options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n)};
+  if (to.normal_n == from.normal_n && to.shear_n == from.shear_n) return from;
+  return {std::max(to.normal_n, least_n), to.shear_n};
 }
 
 bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {

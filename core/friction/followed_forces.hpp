@@ -46,6 +46,11 @@ class ShearAxis {
   double aimed_n_ = 0;    // the shear that it was taken from
 };
 
+// P >= 0 and Q along the axis, N.
+struct SignedLoad {
+  double normal_n = 0, shear_n = 0;
+};
+
 class FollowedForces {
  public:
   explicit FollowedForces(const FollowedForcesOptions& options = {}) noexcept : options_(options) {}
@@ -53,23 +58,21 @@ class FollowedForces {
   void reset() noexcept { *this = FollowedForces(options_); }
 
   // First call for each frame. True if shear has turned: signed shear then begins anew along the new axis.
-  bool aim(const ContactPatch& patch) noexcept;
+  bool aim(const ContactPatch& patch) noexcept { return axis_.aim(patch, options_.reaim_ratio); }
 
-  // Second call for each frame. A force changes when it leaves its dead band.
-  void follow(const ContactPatch& patch) noexcept;
+  // Second call for each frame: where the load goes to that was followed to `from`. A force changes when it
+  // leaves its dead band.
+  SignedLoad follow(const ContactPatch& patch, const SignedLoad& from) const noexcept;
 
   // Third call for each frame. True for the one frame, if any, at which it is clear that the grasp began
   // before its first frame.
   bool loaded_at_onset(const ContactPatch& patch) noexcept;
 
-  double normal_n() const noexcept { return normal_n_; }  // P, >= 0; 0 before the first frame
-  double shear_n() const noexcept { return shear_n_; }    // Q, signed along the axis
   const ShearAxis& axis() const noexcept { return axis_; }
 
  private:
   FollowedForcesOptions options_;
   ShearAxis axis_;
-  double normal_n_ = 0, shear_n_ = 0;
   std::uint32_t frames_ = 0;  // of this grasp, up to kSureFrames
   double first_normal_n_ = 0;
 };

@@ -11,8 +11,6 @@
 namespace slipd {
 namespace {
 
-constexpr double kSecondsPerNs = 1e-9;
-
 double square(double x) noexcept {
   return x * x;
 }
@@ -30,10 +28,6 @@ void FrictionFilter::reset_evidence() noexcept {
   posterior_.reset();
   history_.contact_lost();
   traction_ratio_.reset();
-  last_ns_ = 0;
-  torque_ = false;
-  normal_n_ = shear_n_ = 0;
-  load_sigma_ = 0;
   mean_residual_ = 1;
 }
 
@@ -42,29 +36,18 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   posterior_.reset();
 }
 
-double FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
-  const ContactPatch& patch = frame.patch;
-  traction_ratio_.update(patch);
-  const double seconds =
-      last_ns_ > 0 ? std::max(0.0, static_cast<double>(frame.time_ns - last_ns_) * kSecondsPerNs) : 0;
+void FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
+  traction_ratio_.update(frame.patch);
+  const LoadStep& step = frame.step;
+  const Load &now = step.now, before = step.previous.value_or(Load{});
   const double friction = likeliest();
-  const double moved = norm((patch.normal_n - normal_n_) / patch.normal_n,
-                            (patch.shear_n - shear_n_) / (friction * patch.normal_n));
-  posterior_.decorrelate(moved);
-  posterior_.begin(seconds);
-  const bool torque = frame.reading != nullptr && frame.reading->under_torque;
-  const double ratio = patch.shear_n / patch.normal_n;
-  const MeanSigma load{ratio, norm(patch.shear_sigma_n, ratio * patch.normal_sigma_n) / patch.normal_n};
-  if (normal_n_ > 0 && !torque && !torque_) {
-    const double drop = shear_n_ / normal_n_ - load.mean, sigma = norm(load.sigma, load_sigma_);
-    if (drop > 0) weigh_drop(load, {drop / friction, sigma / friction}, seconds);
-  }
-  load_sigma_ = load.sigma;
-  torque_ = torque;
-  last_ns_ = frame.time_ns;
-  normal_n_ = patch.normal_n;
-  shear_n_ = patch.shear_n;
-  return seconds;
+  posterior_.decorrelate(norm((now.normal_n - before.normal_n) / now.normal_n,
+                              (now.pull_n - before.pull_n) / (friction * now.normal_n)));
+  posterior_.begin(step.seconds());
+  if (!step.previous || now.under_torque || before.under_torque) return;
+  const MeanSigma load = now.ratio(), earlier = before.ratio();
+  const double drop = earlier.mean - load.mean, sigma = norm(load.sigma, earlier.sigma);
+  if (drop > 0) weigh_drop(load, {drop / friction, sigma / friction}, step.seconds());
 }
 
 void FrictionFilter::bound_by_held() noexcept {

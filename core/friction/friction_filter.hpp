@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include "core/frame/significance.hpp"
@@ -24,12 +23,10 @@ namespace slipd {
 
 // A frame as friction is learnt from it.
 struct FrictionFrame {
-  // CLOCK_MONOTONIC, ns.
-  std::int64_t time_ns = 0;
   // With the forces that act. Where a torque has changed the field (reading->under_torque) its shear_n is the
   // pull that asks for as much of friction.
   const ContactPatch& patch;
-  // From the frame before to this one, as measured.
+  // From the frame before to this one.
   const LoadStep& step;
   // Null where the frame has no shape.
   const Reading* reading = nullptr;
@@ -80,9 +77,8 @@ class FrictionFilter {
   FrictionFilter(const FrictionPrior& prior, std::size_t points, const FrictionFilterOptions& options);
 
   void reset_evidence() noexcept;
-  // The first call for each frame: time goes on, and errors are others where the forces have moved far. Since
-  // the frame before, s; 0 for the first.
-  double begin_frame(const FrictionFrame& frame) noexcept;
+  // The first call for each frame: time goes on, and errors are others where the forces have moved far.
+  void begin_frame(const FrictionFrame& frame) noexcept;
   // Coulomb: friction is at least the load that it holds.
   void bound_by_held() noexcept;
   // The load is less than it was a frame ago, > 0 s: it is held and noise is all of the fall, it was let go,
@@ -106,11 +102,7 @@ class FrictionFilter {
   TractionRatioFilter traction_ratio_;
 
  private:
-  std::int64_t last_ns_ = 0;           // time of the frame before; 0 before the first
-  double normal_n_ = 0, shear_n_ = 0;  // its forces
-  double load_sigma_ = 0;              // of its |Q|/P
-  bool torque_ = false;                // its shear was changed by a torque
-  double mean_residual_ = 1;           // of the best friction, squared
+  double mean_residual_ = 1;  // of the best friction, squared
 };
 
 }  // namespace slipd

@@ -31,7 +31,7 @@ FrictionGrid::FrictionGrid(const FrictionPrior& prior, std::size_t count, const 
 
 void FrictionGrid::reset() noexcept {
   weight_ = prior_;
-  conclude();
+  summary_.reset();
 }
 
 void FrictionGrid::assign(std::span<const double> weights) noexcept {
@@ -43,22 +43,18 @@ void FrictionGrid::assign(std::span<const double> weights) noexcept {
   }
   std::transform(these.begin(), these.end(), weight_.begin(),
                  [per = 1 / sum](double weight) { return weight * per; });
-  conclude();
-}
-
-void FrictionGrid::conclude() noexcept {
-  const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
-  likeliest_ = static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin());
-  quantiles_ = quantiles();
+  summary_.reset();
 }
 
 // Median, and half of what lies between the quantiles of one standard deviation: a change of friction that
 // may have been, with a small weight far away, does not widen what is known of the present one; only the
 // quantile of 5 % counts it. What lies between two points of the grid is not distinguished.
-FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
+FrictionGrid::Summary FrictionGrid::summarise() const noexcept {
   constexpr double kLeast = 0.05;
   constexpr double kLow = 0.1587, kHigh = 0.8413;  // of a Gaussian, one standard deviation on either side
-  Quantiles out;
+  const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
+  Summary out{.likeliest =
+                  static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin())};
   double below = 0;
   for (std::size_t j = 0; j < count_; ++j) {
     const double with_it = below + weight_[j];
@@ -78,24 +74,24 @@ FrictionGrid::Quantiles FrictionGrid::quantiles() const noexcept {
 }
 
 MeanSigma FrictionGrid::friction() const noexcept {
-  const Quantiles& mu = quantiles_;
+  const Summary& mu = summary();
   return {mu.middle, norm(0.5 * (mu.high - mu.low), kUnevenShare * mu.middle)};
 }
 
 double FrictionGrid::least_friction(double common) const noexcept {
-  const double middle = quantiles_.middle, below = kOneSided95 * norm(kUnevenShare, common) * middle;
-  return std::max(0.0, middle - norm(middle - quantiles_.least, below));
+  const double middle = summary().middle, below = kOneSided95 * norm(kUnevenShare, common) * middle;
+  return std::max(0.0, middle - norm(middle - summary().least, below));
 }
 
 MeanSigma FrictionGrid::inverse_friction() const noexcept {
-  const Quantiles& mu = quantiles_;
+  const Summary& mu = summary();
   return {1 / mu.middle, norm(0.5 * (1 / mu.low - 1 / mu.high), kUnevenShare / mu.middle)};
 }
 
 // Sigma counts all that friction may be.
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
   load_sigma = norm(load_sigma, kExactShare);
-  const double middle = quantiles_.middle;
+  const double middle = summary().middle;
   const double margin = std::clamp(1 - load / middle, 0.0, 1.0);
   double variance = 0;
 #pragma omp simd reduction(+ : variance)

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "core/contact/scene.hpp"
@@ -38,7 +39,7 @@ class FrictionGrid {
   // Of point j; all of them together are 1.
   double weight(std::size_t j) const noexcept { return weight_[j]; }
   double prior(std::size_t j) const noexcept { return prior_[j]; }
-  std::size_t likeliest() const noexcept { return likeliest_; }
+  std::size_t likeliest() const noexcept { return summary().likeliest; }
 
   // mu, with its floor of sigma.
   MeanSigma friction() const noexcept;
@@ -57,11 +58,16 @@ class FrictionGrid {
   double step() const noexcept { return step_; }
 
  private:
-  struct Quantiles {
-    double least = 0, low = 0, middle = 0, high = 0;  // mu
+  // Of the weights: the point with the most, and quantiles, mu.
+  struct Summary {
+    std::size_t likeliest = 0;
+    double least = 0, low = 0, middle = 0, high = 0;
   };
-  Quantiles quantiles() const noexcept;
-  void conclude() noexcept;
+  const Summary& summary() const noexcept {
+    if (!summary_) summary_ = summarise();
+    return *summary_;
+  }
+  Summary summarise() const noexcept;
 
   using PerFriction = std::array<double, kMost>;
 
@@ -69,9 +75,7 @@ class FrictionGrid {
   const std::size_t count_;
   const double step_;
   PerFriction friction_{}, inverse_{}, prior_{}, weight_{};
-  // Of these weights.
-  std::size_t likeliest_ = 0;
-  Quantiles quantiles_;
+  mutable std::optional<Summary> summary_;  // none: the weights are new
 };
 
 }  // namespace slipd

@@ -32,25 +32,29 @@ constexpr double kNothingLeft = 40;
 // all frictions by more than kNothingLeft: the highest is left then. e^-400 of a weight is no denormal.
 constexpr double kRefuted = 400;
 
+double most_prior(const FrictionGrid& grid) noexcept {
+  double most = 0;
+  for (std::size_t j = 0; j < grid.count(); ++j) most = std::max(most, grid.prior(j));
+  return most;
+}
+
 }  // namespace
 
 FrictionPosterior::FrictionPosterior(const FrictionPrior& prior, std::size_t count,
                                      const FrictionPosteriorOptions& options)
-    : options_(options), grid_(prior, count, options.grid) {
-  for (std::size_t j = 0; j < count; ++j) most_prior_ = std::max(most_prior_, grid_.prior(j));
-}
+    : options_(options), grid_(prior, count, options.grid), most_prior_(most_prior(grid_)) {}
 
 void FrictionPosterior::reset() noexcept {
   grid_.reset();
   errors_ = {};
   has_changed_ = {};
-  surprise_ = 0;
+  frame_ = {};
   changed_ = held_ = {};
   for (std::size_t j = 0; j < grid_.count(); ++j) same_[j] = grid_.prior(j);
 }
 
 void FrictionPosterior::begin(double seconds) noexcept {
-  surprise_ = 0;
+  frame_ = {};
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     same_[j] = grid_.weight(j);
     changed_[j] = 0;
@@ -130,7 +134,7 @@ void FrictionPosterior::take(Evidence by, std::span<const double> residual, doub
     error.if_changed[j] = take(changed_[j], residual[j], of_likeliest);
     error.mean[j] = take(same_[j], residual[j], error.mean[j]);
   }
-  if constexpr (kWeighed) surprise_ = std::max(surprise_, surprise);
+  if constexpr (kWeighed) frame_.surprise = std::max(frame_.surprise, surprise);
   error.variance *= 1 - of_residual(surprise).weight * open * per_variance;
   error.weighed = true;
 }

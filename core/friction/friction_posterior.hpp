@@ -67,7 +67,7 @@ class FrictionPosterior {
   bool conclude() noexcept;
   bool has_changed(std::size_t j) const noexcept { return has_changed_[j]; }
   // The largest squared residual of the friction that was likeliest before this frame, over its variance.
-  double surprise() const noexcept { return surprise_; }
+  double surprise() const noexcept { return frame_.surprise; }
 
   // The forces have moved by this share of what decorrelates errors.
   void decorrelate(double moved) noexcept;
@@ -94,11 +94,14 @@ class FrictionPosterior {
 
   const FrictionPosteriorOptions options_;
   FrictionGrid grid_;
-  double most_prior_ = 0;  // of one point
+  const double most_prior_;  // of one point
   PerFriction same_{}, changed_{};
   PerFriction held_{};  // nats that a load which was held has taken from each friction
   std::array<bool, FrictionGrid::kMost> has_changed_{};
-  double surprise_ = 0;
+  struct ThisFrame {
+    double surprise = 0;
+  };
+  ThisFrame frame_;
   std::array<CommonError, kEvidence> errors_;
 };
 

@@ -1,11 +1,14 @@
-// Where the load of a contact goes: its forces now and a frame ago. Estimate thread; fixed memory, nothing
+// Where the load of a contact goes: what acts now, and a frame ago. Estimate thread; fixed memory, nothing
 // allocates.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "core/numeric/norm.hpp"
+#include "core/numeric/posterior_sums.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -50,16 +53,49 @@ inline ContactForces forces_of(const ContactPatch& patch) noexcept {
   return {patch.normal_n, patch.shear_x_n, patch.shear_y_n};
 }
 
+// Of a frame in contact.
+struct Load {
+  // CLOCK_MONOTONIC, ns.
+  std::int64_t time_ns = 0;
+  ContactForces measured;
+  // That acts on friction: P, and the pull that asks for as much of it as force and torque together, N.
+  double normal_n = 0, pull_n = 0;
+  // Standard deviation of its pull over P.
+  double ratio_sigma = 0;
+  // A torque has changed the field of shear.
+  bool under_torque = false;
+
+  // |Q|/P.
+  MeanSigma ratio() const noexcept { return {pull_n / normal_n, ratio_sigma}; }
+};
+
+// acting: `measured` with the forces that act, and the equivalent pull in shear_n.
+inline Load load_of(std::int64_t time_ns, const ContactPatch& measured, const ContactPatch& acting,
+                    bool under_torque) noexcept {
+  const double ratio = acting.shear_n / acting.normal_n;
+  return {.time_ns = time_ns,
+          .measured = forces_of(measured),
+          .normal_n = acting.normal_n,
+          .pull_n = acting.shear_n,
+          .ratio_sigma = norm(acting.shear_sigma_n, ratio * acting.normal_sigma_n) / acting.normal_n,
+          .under_torque = under_torque};
+}
+
 // From one frame in contact to the next.
 struct LoadStep {
-  ContactForces now;
+  Load now;
   // A frame ago; none: this is the first frame of the contact.
-  std::optional<ContactForces> previous;
+  std::optional<Load> previous;
 
-  // How far the shear moved since then, N; all of it in the first frame.
+  // How far the measured shear moved since then, N; all of it in the first frame.
   double shear_moved_n() const noexcept {
-    const ContactForces from = previous.value_or(ContactForces{});
-    return norm(now.shear_x_n - from.shear_x_n, now.shear_y_n - from.shear_y_n);
+    const ContactForces to = now.measured, from = previous.value_or(Load{}).measured;
+    return norm(to.shear_x_n - from.shear_x_n, to.shear_y_n - from.shear_y_n);
+  }
+  // Since then, s, >= 0; 0 in the first frame.
+  double seconds() const noexcept {
+    constexpr double kSecondsPerNs = 1e-9;
+    return previous ? std::max(0.0, kSecondsPerNs * static_cast<double>(now.time_ns - previous->time_ns)) : 0;
   }
 };
 
@@ -69,14 +105,10 @@ class LoadPath {
   void forget() noexcept { last_.reset(); }
 
   // Each frame in contact, in order of time.
-  LoadStep follow(const ContactPatch& patch) noexcept {
-    const LoadStep step{forces_of(patch), last_};
-    last_ = step.now;
-    return step;
-  }
+  LoadStep follow(const Load& now) noexcept { return {now, std::exchange(last_, now)}; }
 
  private:
-  std::optional<ContactForces> last_;
+  std::optional<Load> last_;
 };
 
 }  // namespace slipd

@@ -160,7 +160,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
                                                                MarginDecision& decision,
                                                                Estimate& out) noexcept {
   out.method = Method::friction;
-  filter_->update({frame.time_ns, frame.acting, frame.step, frame.reading, frame.previous_sliding});
+  filter_->update({frame.acting, frame.step, frame.reading, frame.previous_sliding});
   if (!filter_->understood()) {
     refuse_unknown(frame, decision);
     return std::nullopt;
@@ -313,7 +313,7 @@ std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput
                                                                MarginDecision& decision, Estimate& out,
                                                                bool& by_forces) noexcept {
   out.method = Method::friction;
-  filter_->update({frame.time_ns, frame.acting, frame.step, frame.reading, frame.previous_sliding});
+  filter_->update({frame.acting, frame.step, frame.reading, frame.previous_sliding});
   by_forces = !is_known(filter_->history());
   if (!by_forces && !filter_->understood()) {
     refuse_unknown(frame, decision);

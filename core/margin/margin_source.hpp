@@ -2,7 +2,6 @@
 // when a pipeline is made.
 #pragma once
 
-#include <cstdint>
 #include <string_view>
 
 #include "core/estimate/estimate.hpp"
@@ -16,11 +15,9 @@ namespace slipd {
 
 // One frame in contact, as a source of margins takes it.
 struct MarginInput {
-  // CLOCK_MONOTONIC, ns.
-  std::int64_t time_ns = 0;
   // As it was measured.
   const ContactPatch& measured;
-  // From the frame before to this one, as measured.
+  // From the frame before to this one.
   const LoadStep& step;
   // With the forces that act, and in shear_n the equivalent pull.
   const ContactPatch& acting;

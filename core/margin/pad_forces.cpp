@@ -35,24 +35,31 @@ std::vector<Rectangle> parts_of(const TaxelLayout& layout) {
   return parts;
 }
 
+std::vector<contact::LayerImage> images_of(const Skin& skin) {
+  const auto poisson = skin.bonded_poisson();
+  if (!poisson) return {};
+  const auto all = contact::layer_images(*poisson);
+  return {all.begin(), all.end()};
+}
+
 }  // namespace
 
 PadForces::PadForces(const TaxelLayout& layout, const Skin& skin, const PadForcesOptions& options)
     : options_(options),
       layout_(layout),
       depth_m_(skin.depth_m),
-      ratio_sigma_(kUnevenShare),
-      parts_(parts_of(layout)) {
-  if (const auto poisson = skin.bonded_poisson()) {
-    const auto all = contact::layer_images(*poisson);
-    images_.assign(all.begin(), all.end());
-  }
-  // What is missed grows with the depth. Loads lie on any taxel.
+      images_(images_of(skin)),
+      parts_(parts_of(layout)),
+      ratio_sigma_(norm(kUnevenShare, missed_sigma(skin.depth_sigma))) {}
+
+// What is missed grows with the depth. Loads lie on any taxel.
+double PadForces::missed_sigma(double depth_sigma) const noexcept {
   double read = 0;
-  for (std::size_t i = 0; i < layout.size(); ++i)
-    read += read_of_pull(read_of(layout.x_m()[i], layout.y_m()[i], 0)) / static_cast<double>(layout.size());
-  read = std::clamp(read, options.least_read, 1.0);
-  ratio_sigma_ = norm(kUnevenShare, (1 - read) / read * skin.depth_sigma);
+  for (std::size_t i = 0; i < layout_.size(); ++i)
+    read +=
+        read_of_pull(read_of(layout_.x_m()[i], layout_.y_m()[i], 0)) / static_cast<double>(layout_.size());
+  read = std::clamp(read, options_.least_read, 1.0);
+  return (1 - read) / read * depth_sigma;
 }
 
 // Four points about the middle have the load's second moments.

@@ -54,15 +54,16 @@ class PadForces {
     bool pressed = false;
   };
   Sums sums_of(const ContactPatch& patch) const noexcept;
+  double missed_sigma(double depth_sigma) const noexcept;
   // By all taxels, of a load of 1 N that is spread about a place, with this root mean square distance.
   contact::LayerTensor read_of(double x_m, double y_m, double spread_m) const noexcept;
 
   const PadForcesOptions options_;
   const TaxelLayout layout_;
   const double depth_m_;
-  double ratio_sigma_;
-  std::vector<contact::LayerImage> images_;  // none: a half space
-  std::vector<contact::Rectangle> parts_;    // of the pad
+  const std::vector<contact::LayerImage> images_;  // none: a half space
+  const std::vector<contact::Rectangle> parts_;    // of the pad
+  const double ratio_sigma_;
 };
 
 }  // namespace slipd

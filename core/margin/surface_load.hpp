@@ -83,7 +83,7 @@ class ForcesOfPad final : public SurfaceForces {
   double common_sigma() const noexcept override { return pad_.ratio_sigma(); }
 
  private:
-  PadForces pad_;
+  const PadForces pad_;
 };
 
 }  // namespace slipd

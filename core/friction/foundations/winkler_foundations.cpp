@@ -42,7 +42,7 @@ void WinklerFoundations::clear() noexcept {
   carried_n_.fill(0);
   loads_ = {};
   taken_over_ = {};
-  any_taken_over_ = summed_ = false;
+  summed_ = false;
 }
 
 // Sets the springs wider when the contact has outgrown them.
@@ -51,7 +51,7 @@ void WinklerFoundations::reach(double radius) noexcept {
   const double step = contact::kSpare * radius / static_cast<double>(kSprings),
                ratio = step_ > 0 ? step / step_ : 0;
   step_ = step;
-  pressed_ = pressed_by(pressed_.radius);
+  pressed_ = pressed_by(std::cbrt(normal_n_));
   // Each is taken from further out: none is read after it is set.
   for (std::size_t i = 0; i < kSprings && ratio > 0; ++i) {
     const double at = ratio * (static_cast<double>(i) + 0.5) - 0.5;
@@ -71,7 +71,7 @@ void WinklerFoundations::reach(double radius) noexcept {
 // Each spring's load is radius^2 - x^2 where that is above 0.
 WinklerFoundations::Pressed WinklerFoundations::pressed_by(double radius) const noexcept {
   const auto unit = static_cast<float>(square(step_)), edge = static_cast<float>(square(radius));
-  Pressed out{.radius = radius};
+  Pressed out;
 #pragma omp simd
   for (std::size_t i = 0; i < kSprings; ++i) out.rest[i] = std::max(edge - unit * place(i) * place(i), 0.0F);
   for (const float rest : out.rest) {
@@ -86,7 +86,7 @@ void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double radius
   const double per_newton = pressed_.sum / normal_n_;
   PerBed<float> goal;
   for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(carried_n_[j] * per_newton);
-  const auto far = static_cast<float>(square(pressed_.radius) + square(radius_before));
+  const auto far = static_cast<float>(square(std::cbrt(normal_n_)) + square(radius_before));
   kernels_->settle(loads_[0].data(), pressed_.rest.data(), pressed_.touching,
                    {goal.data(), static_cast<float>(kSettled) * pressed_.sum, far}, which.data(), vectors_);
 }
@@ -96,12 +96,13 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
     clear();
     return;
   }
-  if (normal_n == normal_n_ && shear_n == asked_n_ && !any_taken_over_) return;
-  const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n);
+  const bool any_taken_over = *std::min_element(taken_over_.begin(), taken_over_.end()) < 0;
+  if (normal_n == normal_n_ && shear_n == asked_n_ && !any_taken_over) return;
+  const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n), before = std::cbrt(normal_n_);
   reach(radius);
   PerBed<float> slope{};
   PerBed<std::int32_t> slips = taken_over_;
-  bool any_sticks = false, any_slips = any_taken_over_;
+  bool any_sticks = false, any_slips = any_taken_over;
   for (std::size_t j = 0; j < count_; ++j) {
     const double target_n = std::clamp(shear_n * inverse_[j], -normal_n, normal_n);
     const double d_shear = target_n - carried_n_[j];
@@ -113,17 +114,17 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
     any_slips |= !sticks;
     carried_n_[j] = target_n;
   }
-  const Pressed before = std::exchange(pressed_, pressed_by(radius));
+  const Pressed earlier = std::exchange(pressed_, pressed_by(radius));
   if (any_sticks) {  // the new ring takes its share
     Rest grown;
-    for (std::size_t i = 0; i < kSprings; ++i) grown[i] = pressed_.rest[i] - before.rest[i];
+    for (std::size_t i = 0; i < kSprings; ++i) grown[i] = pressed_.rest[i] - earlier.rest[i];
     kernels_->stretch(loads_[0].data(), grown.data(), slope.data(), vectors_);
   }
   normal_n_ = normal_n;
   asked_n_ = shear_n;
-  if (any_slips) settle(slips, before.radius);
-  if (any_taken_over_) taken_over_ = {};
-  any_taken_over_ = summed_ = false;
+  if (any_slips) settle(slips, before);
+  taken_over_ = {};
+  summed_ = false;
 }
 
 void WinklerFoundations::assume_monotonic(double normal_n, double shear_n) noexcept {
@@ -140,7 +141,6 @@ void WinklerFoundations::take_over(std::size_t from, const PerBed<std::int32_t>&
     ratio[j] = static_cast<float>(friction_[from] * inverse_[j]);
     carried_n_[j] = std::clamp(asked_n_ * inverse_[j], -normal_n_, normal_n_);
     taken_over_[j] = -1;
-    any_taken_over_ = true;
   }
   kernels_->take_over(loads_[0].data(), pressed_.rest.data(), from, ratio.data(), which.data(), vectors_);
 }

@@ -45,6 +45,9 @@ class WinklerFoundations {
     take_over(from, which);
   }
 
+  // The load that it was asked to follow last, N; 0 and 0 without a contact.
+  double normal_n() const noexcept { return normal_n_; }
+  double asked_n() const noexcept { return asked_n_; }
   double shear_n(std::size_t j) const noexcept { return friction_[j] * carried_n_[j]; }
 
   // Of bed j, 0 … frictions - 1; computed when first asked for after a change. (A spring at x counts with 2
@@ -56,9 +59,8 @@ class WinklerFoundations {
   using PerBed = std::array<T, kMost>;
   using Rest = std::array<float, WinklerKernels::kSprings>;
 
-  // The contact's radius, and the normal load of each spring and of all of them.
+  // The normal load of each spring and of all of them.
   struct Pressed {
-    double radius = 0;
     Rest rest{};
     float sum = 0;
     std::size_t touching = 0;  // the first springs
@@ -74,14 +76,12 @@ class WinklerFoundations {
   const std::size_t count_, vectors_;
   PerBed<double> friction_, inverse_;
   double step_ = 0;  // between springs; spring i stands at (i + 1/2) step
-  double normal_n_ = 0;
-  double asked_n_ = 0;  // the shear that all were asked to carry last
+  double normal_n_ = 0, asked_n_ = 0;
   Pressed pressed_;
   // What beds and springs carry over the bed's friction: at most the normal force.
   PerBed<double> carried_n_{};
   std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
   PerBed<std::int32_t> taken_over_{};  // -1: with the next follow()
-  bool any_taken_over_ = false;
 
   struct Moments {
     PerBed<double> slip_n, legendre_n;

@@ -18,7 +18,8 @@ class Followed {
       : filter_(prior, options) {}
   void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
               const SlidingVerdict& previous = {}) {
-    filter_.update({time_ns, patch, path_.follow(patch), reading, previous});
+    const bool under_torque = reading != nullptr && reading->under_torque;
+    filter_.update({patch, path_.follow(load_of(time_ns, patch, patch, under_torque)), reading, previous});
   }
   void reset() {
     filter_.reset();

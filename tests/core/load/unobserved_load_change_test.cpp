@@ -24,7 +24,9 @@ ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
 // With the path that its pipeline follows.
 class Unobserved {
  public:
-  void update(const ContactPatch& patch) { change_.update(patch, path_.follow(patch), kMovedFriction); }
+  void update(const ContactPatch& patch) {
+    change_.update(patch, path_.follow(load_of(0, patch, patch, false)), kMovedFriction);
+  }
   void forget() {
     change_.forget();
     path_.forget();

@@ -189,9 +189,9 @@ class Source {
   void update(const ContactPatch& patch, const Reading* reading, const MarginProfile* shared, Estimate& out) {
     MarginDecision decision(EstimatorSettings{}.sigma_max);
     const SlidingVerdict unknown;
-    source_->estimate({.time_ns = out.time_ns,
-                       .measured = patch,
-                       .step = path_.follow(patch),
+    const bool under_torque = reading != nullptr && reading->under_torque;
+    source_->estimate({.measured = patch,
+                       .step = path_.follow(load_of(out.time_ns, patch, patch, under_torque)),
                        .acting = patch,
                        .reading = reading,
                        .shared = shared,
