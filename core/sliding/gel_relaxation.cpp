@@ -158,11 +158,8 @@ const GelState& GelRelaxation::update(const Frame& frame) noexcept {
   if (count_ > 1) {
     step_ = motion_since(1);
     const double step_mm = std::hypot(step_.along_mm(), step_.turning_mm, step_.stretch_mm);
-    if (is_stale_jump(frame.time_ns, step_mm)) {
-      count_ = 1;
-    } else {
-      last_step_mm_ = step_mm;
-    }
+    if (is_stale_jump(frame.time_ns, step_mm)) count_ = 1;
+    last_step_mm_ = step_mm;
   }
   if (releasing_) {
     if (rest_seen_) state_.contact = touches();

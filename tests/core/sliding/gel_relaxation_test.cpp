@@ -157,6 +157,21 @@ TEST(GelRelaxation, TellsATurnFromAWay) {
   EXPECT_EQ(sliding.state().sliding, Sliding::translation);
 }
 
+TEST(GelRelaxation, StalePicturesOfAContactFromBeforeTheStartAreNoSlide) {
+  Gel gel;
+  gel.slides_in(5, unmoved);
+  gel.slides_in(7, bulge(0.6));
+  EXPECT_FALSE(gel.slides_in(60, unmoved));
+  gel.slides_in(7, bulge(0.6));
+  EXPECT_TRUE(gel.slides_in(60, unmoved)) << "the same later";
+}
+
+TEST(GelRelaxation, AGelThatSlipsWhileItIsFirstSeenKeepsItsPast) {
+  Gel gel;
+  for (int i = 0; i < 5; ++i) gel.slides_in(1, plus(bulge(0.6 * (1 - 0.2 * i)), along(0.1 * i)));
+  EXPECT_TRUE(gel.slides_in(20, along(0.5)));
+}
+
 TEST(GelRelaxation, LostPointsAreLeftOut) {
   Gel gel;
   EXPECT_FALSE(gel.slides_in(100, bulge(0.3), 0.2));
