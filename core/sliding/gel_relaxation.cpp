@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frame/significance.hpp"
+#include "core/numeric/norm.hpp"
 
 namespace slipd {
 namespace {
@@ -21,7 +22,7 @@ double length_mm(std::span<const float> bends, std::span<const float> from) noex
 }
 
 double fall(double past, double now, double noise) noexcept {
-  return std::log((past + noise) / (now + noise));
+  return std::log(norm(past, noise) / norm(now, noise));
 }
 
 }  // namespace

@@ -29,9 +29,10 @@ struct GelRelaxationOptions {
   std::size_t pictures = 12;
   // Of the past, at least so many, nearly half: slips soon after the start are not missed.
   std::size_t least_past() const noexcept { return (pictures - 1) / 2; }
-  // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts
-  // show nothing. Chosen: what a dot at rest wanders by, 0.04 px or 2.5 um.
-  double noise_mm = 0.003;
+  // Noise of a mean bend; mm, 0.0003 … 0.02. Too small: noise relaxes. Too large: weak contacts show nothing.
+  // Measured: what means of twelve pictures that follow each other differ by, over the root of two, in the
+  // quietest tenth of the shared trials, with or without a slip.
+  double noise_mm = 0.001;
   // Bend of one picture against the gel's rest from which on something touches it, and rigid motion or
   // stretch in one step that is a disturbance; mm, 0.01 … 0.1. Of means over pictures it is less, as their
   // noise is. Too small: noise and drift are contacts and pushes. Too large: weak ones are none. Chosen:
@@ -43,7 +44,7 @@ struct GelRelaxationOptions {
   double rest_weight = 0.2;
   // Evidence from which on it is a slide; nats, 0.1 … 5. Too small: false alarms. Too large: slips are
   // missed. By the shared trials.
-  double slides_from = 0.25;
+  double slides_from = 0.35;
   // After the start, as long as this, a jump, clear of moved_mm, from a picture at rest is one from stale
   // pictures of the camera: the past begins after it; s, 0 … 2. Too small: it counts as a slip. Too large: a
   // sudden slip is missed. Chosen: twelve stale pictures of a camera of 25 a second, as the shared trials'
