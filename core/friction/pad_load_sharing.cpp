@@ -47,9 +47,9 @@ PadLoadSharing::PadLoadSharing(const TaxelLayout& layout, const PadLoadSharingOp
 }
 
 const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPatch& patch) noexcept {
-  profile_.known = false;
+  frame_ = {};
   const double normal_n = read_normal(frame);
-  if (!(normal_n > 0)) return profile_;
+  if (!(normal_n > 0)) return frame_.profile;
   if (state_.field.frames == 0 || normal_n > (1 + kChanged) * state_.least_normal_n) state_ = {};
   state_.least_normal_n = state_.field.frames == 0 ? normal_n : std::min(state_.least_normal_n, normal_n);
 
@@ -59,28 +59,28 @@ const MarginProfile& PadLoadSharing::update(const Frame& frame, const ContactPat
   const double share = pull.size_n / normal_n;
   if (!state_.pulled && (state_.field.frames == 0 || pull.size_n < kPulled * normal_n + 3 * sigma_n)) {
     learn_field(frame, normal_n);
-    return profile_;
+    return frame_.profile;
   }
   state_.pulled = true;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    pressed_[i] = normal_n_[i] / normal_n;
-    pulled_[i] = (pull_x_n_[i] * pull.x_n + pull_y_n_[i] * pull.y_n) / square(pull.size_n);
+    frame_.pressed[i] = frame_.normal_n[i] / normal_n;
+    frame_.pulled[i] = (frame_.pull_x_n[i] * pull.x_n + frame_.pull_y_n[i] * pull.y_n) / square(pull.size_n);
   }
   if (share < options_.least_pull) {
     if (state_.highest == 0) learn_begin(pull, share);
-    return profile_;
+    return frame_.profile;
   }
   state_.highest = std::max(state_.highest, share);
-  if (pull.size_n < kStandsOutSigmas * sigma_n || share < kFallen * state_.highest) return profile_;
+  if (pull.size_n < kStandsOutSigmas * sigma_n || share < kFallen * state_.highest) return frame_.profile;
   weigh({.load = std::max(share, patch.shear_n / patch.normal_n), .pull = share, .noise_n = noise_n}, pull);
-  return profile_;
+  return frame_.profile;
 }
 
 double PadLoadSharing::read_normal(const Frame& frame) noexcept {
   double sum_n = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    normal_n_[i] = std::max(0.0, area_m2_ * static_cast<double>(frame.normal_pa[i]));
-    sum_n += normal_n_[i];
+    frame_.normal_n[i] = std::max(0.0, area_m2_ * static_cast<double>(frame.normal_pa[i]));
+    sum_n += frame_.normal_n[i];
   }
   return sum_n;
 }
@@ -90,11 +90,11 @@ PadLoadSharing::Pull PadLoadSharing::read_pull(const Frame& frame, double noise_
   const Field& field = state_.field;
   Pull pull;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    const double usual = normal_n_[i] / (field.squares[i] + field.frames * square(noise_n) + kNoForce);
-    pull_x_n_[i] = area_m2_ * static_cast<double>(frame.shear_x_pa[i]) - field.x[i] * usual;
-    pull_y_n_[i] = area_m2_ * static_cast<double>(frame.shear_y_pa[i]) - field.y[i] * usual;
-    pull.x_n += pull_x_n_[i];
-    pull.y_n += pull_y_n_[i];
+    const double usual = frame_.normal_n[i] / (field.squares[i] + field.frames * square(noise_n) + kNoForce);
+    frame_.pull_x_n[i] = area_m2_ * static_cast<double>(frame.shear_x_pa[i]) - field.x[i] * usual;
+    frame_.pull_y_n[i] = area_m2_ * static_cast<double>(frame.shear_y_pa[i]) - field.y[i] * usual;
+    pull.x_n += frame_.pull_x_n[i];
+    pull.y_n += frame_.pull_y_n[i];
   }
   pull.size_n = norm(pull.x_n, pull.y_n);
   return pull;
@@ -106,9 +106,9 @@ void PadLoadSharing::learn_field(const Frame& frame, double normal_n) noexcept {
   if (field.frames == 0) field.normal_n = normal_n;
   ++field.frames;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    field.x[i] += area_m2_ * static_cast<double>(frame.shear_x_pa[i]) * normal_n_[i];
-    field.y[i] += area_m2_ * static_cast<double>(frame.shear_y_pa[i]) * normal_n_[i];
-    field.squares[i] += square(normal_n_[i]);
+    field.x[i] += area_m2_ * static_cast<double>(frame.shear_x_pa[i]) * frame_.normal_n[i];
+    field.y[i] += area_m2_ * static_cast<double>(frame.shear_y_pa[i]) * frame_.normal_n[i];
+    field.squares[i] += square(frame_.normal_n[i]);
   }
 }
 
@@ -118,7 +118,7 @@ void PadLoadSharing::learn_begin(const Pull& pull, double share) noexcept {
   state_.begun_x_n += pull.x_n;
   state_.begun_y_n += pull.y_n;
   state_.begun_share += pull.size_n * share;
-  for (std::size_t i = 0; i < taxels_; ++i) state_.begun[i] += pull.size_n * pulled_[i];
+  for (std::size_t i = 0; i < taxels_; ++i) state_.begun[i] += pull.size_n * frame_.pulled[i];
 }
 
 // What friction holds of each taxel, if that goes with its pressure to this power, one half of the taxel
@@ -127,7 +127,7 @@ void PadLoadSharing::find_limits(double power, Limits& limits) const noexcept {
   const auto n = static_cast<double>(taxels_);
   double sum = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    const double acting = std::pow(n * pressed_[i], power);
+    const double acting = std::pow(n * frame_.pressed[i], power);
     limits[2 * i] = (1 - options_.uneven) * acting;
     limits[2 * i + 1] = (1 + options_.uneven) * acting;
     sum += 2 * acting;
@@ -161,8 +161,8 @@ PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) con
   }
   double squares = 0, uneven = 0;
   for (std::size_t i = 0; i < taxels_; ++i) {
-    squares += square(n * (pulled_[i] - usual[i] / sum));
-    uneven += square(n * pressed_[i] - 1);
+    squares += square(n * (frame_.pulled[i] - usual[i] / sum));
+    uneven += square(n * frame_.pressed[i] - 1);
   }
   const double begun_n = norm(state_.begun_x_n, state_.begun_y_n) + kNoForce;
   const double turned = (state_.begun_x_n * pull.y_n - state_.begun_y_n * pull.x_n) / (begun_n * pull.size_n);
@@ -176,13 +176,13 @@ PadLoadSharing::Way PadLoadSharing::way_of(const Pull& pull, double noise_n) con
 void PadLoadSharing::compare_pattern(const Loads& loads, const Pull& pull, Misfits& alone) const noexcept {
   const auto n = static_cast<double>(taxels_);
   const double variance = square(loads.noise_n / pull.size_n) + square(options_.uneven / n);
-  PerTaxel sorted = pressed_;
+  PerTaxel sorted = frame_.pressed;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(taxels_));
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double used = loads.used(loads.pull, j), shift = shift_of(sorted.data(), taxels_, used);
     for (std::size_t i = 0; i < taxels_; ++i) {
-      const double carried = std::min(shift, pressed_[i] / used);
-      alone[j] += 0.5 * square(pulled_[i] - carried) / (variance + square(options_.uneven * carried));
+      const double carried = std::min(shift, frame_.pressed[i] / used);
+      alone[j] += 0.5 * square(frame_.pulled[i] - carried) / (variance + square(options_.uneven * carried));
     }
   }
 }
@@ -210,9 +210,9 @@ void PadLoadSharing::weigh(const Loads& loads, const Pull& pull) noexcept {
   Misfits alone{}, under_layer{};
   compare_pattern(loads, pull, alone);
   if (begin_seen) compare_way(loads, way_of(pull, loads.noise_n), alone, under_layer);
-  profile_.known = begin_seen || *std::min_element(alone.begin(), alone.end()) < open;
-  if (!profile_.known) return;
-  Misfits& misfits = profile_.misfit;
+  frame_.profile.known = begin_seen || *std::min_element(alone.begin(), alone.end()) < open;
+  if (!frame_.profile.known) return;
+  Misfits& misfits = frame_.profile.misfit;
   misfits = alone;
   if (begin_seen) {
     const double least_layer = *std::min_element(under_layer.begin(), under_layer.end());

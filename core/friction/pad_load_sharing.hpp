@@ -127,10 +127,12 @@ class PadLoadSharing {
   const std::size_t taxels_;
   const double area_m2_;
   State state_;
-  PerTaxel normal_n_{};               // of this frame
-  PerTaxel pull_x_n_{}, pull_y_n_{};  // the same
-  PerTaxel pressed_{}, pulled_{};     // shares of P, and of the pull along its direction
-  MarginProfile profile_;
+  struct ThisFrame {
+    PerTaxel normal_n{}, pull_x_n{}, pull_y_n{};
+    PerTaxel pressed{}, pulled{};  // shares of P, and of the pull along its direction
+    MarginProfile profile;
+  };
+  ThisFrame frame_;
 };
 
 }  // namespace slipd

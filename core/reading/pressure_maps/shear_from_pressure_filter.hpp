@@ -58,7 +58,7 @@ class ShearFromPressureFilter {
   // Roots of unity of a transform, exp(-2 pi i j/length) for j below length/2.
   struct Roots {
     explicit Roots(std::size_t length);
-    std::size_t length;
+    const std::size_t length;
     std::vector<float> cosine, sine;
   };
 
@@ -71,7 +71,7 @@ class ShearFromPressureFilter {
               std::span<float> out_re, std::span<float> out_im) noexcept;
 
   const std::size_t columns_;
-  Roots along_x_, along_y_;  // of twice the grid's width and height, or more
+  const Roots along_x_, along_y_;  // of twice the grid's width and height, or more
   // Over the transforms' lengths, in the order of spectrum_: the ratio, and that of pressing, x and i y.
   struct Kernels {
     std::vector<float> xx, xy, yy, press_re, press_im;
