@@ -30,7 +30,7 @@ struct GelRelaxationOptions {
   // Of the past, at least so many, nearly half: slips soon after the start are not missed.
   std::size_t least_past() const noexcept { return (pictures - 1) / 2; }
   // Noise of a mean bend; mm, 0.0003 … 0.02. Too small: noise relaxes. Too large: weak contacts show nothing.
-  // Measured: what means of twelve pictures that follow each other differ by, over the root of two, in the
+  // Chosen: what means of twelve pictures that follow each other differ by, over the root of two, in the
   // quietest tenth of the shared trials, with or without a slip.
   double noise_mm = 0.001;
   // Bend of one picture against the gel's rest from which on something touches it, and rigid motion or
