@@ -13,7 +13,7 @@ NAMES = {"in time": "share of slips", "late": "share of slips", "standing": "sha
          "latency 10 %": "s", "latency 50 %": "s", "latency 90 %": "s", "false alarms": "per hour of holding",
          "quiet with alarm": "share of quiet recordings", "held in alarm": "share of holding", "answered": "share of time", "margin": "share of holding",
          "called safe": "share of sliding", "gamma bias": "", "gamma error": "", "bound": "area under the ROC of gamma_low, before slips against holds",
-         "seconds moving": "share told", "seconds still": "share told", "seconds turning": "share told as rotation", "area": f"mean share missed, up to {MOST_PER_HOUR} false alarms per hour"}
+         "seconds moving": "share told", "seconds still": "share told", "seconds turning": "share told as rotation", "seconds along": "share told as rotation", "area": f"mean share missed, up to {MOST_PER_HOUR} false alarms per hour"}
 
 
 @dataclass
@@ -75,7 +75,7 @@ def figures_once(counted, weights):
     found["gamma bias"] = errors.mean() if len(errors) else np.nan
     found["gamma error"] = np.abs(errors).mean() if len(errors) else np.nan
     found["bound"] = roc_area(*(np.concatenate([np.repeat(getattr(c, key), w) for w, c in zip(weights, counted)]) for key in ("low_held", "low_before")))
-    found.update({f"seconds {kind}": ratio(total(f"{kind}_told"), total(kind)) for kind in ("moving", "still", "turning")})
+    found.update({f"seconds {kind}": ratio(total(f"{kind}_told"), total(kind)) for kind in ("moving", "still", "turning", "along")})
     found["area"] = area(*curve_of(counted, weights))
     return found
 

@@ -43,6 +43,8 @@ class Counts:
     still_told: int = 0
     turning: int = 0
     turning_told: int = 0                           # as a rotation
+    along: int = 0
+    along_told: int = 0                             # as a rotation: wrongly
     curve_in_time: np.ndarray | None = None         # at each threshold
     curve_false: np.ndarray | None = None
 
@@ -127,8 +129,11 @@ def count_seconds(recording, decisions, alarm, counts):
             counts.still, counts.still_told = counts.still + 1, counts.still_told + told
         else:
             counts.moving, counts.moving_told = counts.moving + 1, counts.moving_told + told
+        as_turn = int((alarm & (decisions.turns == 1))[rows].any())
         if kind == "turning":
-            counts.turning, counts.turning_told = counts.turning + 1, counts.turning_told + int((alarm & (decisions.turns == 1))[rows].any())
+            counts.turning, counts.turning_told = counts.turning + 1, counts.turning_told + as_turn
+        if kind == "along":
+            counts.along, counts.along_told = counts.along + 1, counts.along_told + as_turn
 
 
 def thresholds_of(recordings, decided):

@@ -74,7 +74,7 @@ def seconds(result):
         return []
     return [f"By seconds of the hold: an alarm stands in {total(result, 'moving_told')} of {total(result, 'moving')} in which the object moves, in "
             f"{total(result, 'still_told')} of {total(result, 'still')} in which it is still; of {total(result, 'turning')} in which it only turns, "
-            f"{total(result, 'turning_told')} are called `rotation`."]
+            f"{total(result, 'turning_told')} are called `rotation`, and of {total(result, 'along')} in which it only moves along, {total(result, 'along_told')}."]
 
 
 def section(results):

@@ -19,7 +19,7 @@ class Truth:
     quiet: list = field(default_factory=list)     # each alarm in here is false
     held: list = field(default_factory=list)      # the hours that false alarms are counted over: contact, and no slip
     unsafe: list = field(default_factory=list)    # what is told as a safe margin in here is wrong: the object slides
-    seconds: list = field(default_factory=list)   # pairs (begin, kind), kind: still, moving, turning (moving, and nothing but a turn)
+    seconds: list = field(default_factory=list)   # pairs (begin, kind), kind: still, moving, turning and along (moving, and nothing but a turn, or hardly any)
     gamma: np.ndarray | None = None               # the true margin of each row, where somebody knows it
 
 

@@ -5,7 +5,8 @@ above it and its median over the next HOLD_S, too: single poses jump. `slip`: mo
 what lies between, counts for nothing.
 
 Seconds from lifting on, by the motion within each: `still` below STILL_SECOND_M, moving above TOLD_M, and `turning` where the turn exceeds
-STILL_TURN and the translation is less than half of the turn's motion. Sensors lag behind the camera by LAG_S.
+STILL_TURN and the translation is less than half of the turn's motion, `along` where the turn's is less than half of the translation. Sensors lag behind
+the camera by LAG_S.
 
 Options: file, hand, lift (column of the hand's height), contact_share (of the greatest P), centre_m, early_s, late_s as in onset_table."""
 import numpy as np
@@ -23,7 +24,7 @@ FREE_S = 0.5         # the hand rests, and nothing touches the sensors
 LIFTED_M = 0.001
 ONSET_M, TOLD_M, SLIP_M, STILL_M = 0.001, 0.002, 0.005, 0.002
 STILL_SECOND_M = 0.0005
-PURE_TURN = 0.5
+PURE = 0.5           # most of the other motion
 LAG_S = 0.07
 TURNED, STILL_TURN = np.radians(10), np.radians(3)
 
@@ -70,9 +71,11 @@ def kind_of_second(moved_m, turned):
     motion = moved_m + ARM_M * turned
     if motion < STILL_SECOND_M:
         return "still"
-    if turned > STILL_TURN and moved_m < PURE_TURN * ARM_M * turned:
+    if turned > STILL_TURN and moved_m < PURE * ARM_M * turned:
         return "turning"
-    return "moving" if motion > TOLD_M else None
+    if motion <= TOLD_M:
+        return None
+    return "along" if ARM_M * turned < PURE * moved_m else "moving"
 
 
 def seconds_of(poses, rate_hz, begin_s, end_s, centre_m):
