@@ -45,7 +45,7 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   bound_by_held();
   const bool turning = frame.step.now.under_torque;
   frame_ = {.turning = turning};
-  if (!turning) follow(patch, frame.step.previous.value_or(Load{}).under_torque);
+  if (!turning) follow(patch, frame.step.before().under_torque);
   const bool clear = reading != nullptr && patch.shear_n > kStrongSigmas * patch.shear_sigma_n;
   verify(frame, clear);
   if (clear && (turning ? weigh_torque(*reading) : weigh_frame(frame))) grasp_.unverified_frames = 0;

@@ -57,7 +57,8 @@ class FollowedForces {
 
   void reset() noexcept { *this = FollowedForces(options_); }
 
-  // First call for each frame. True if shear has turned: signed shear then begins anew along the new axis.
+  // First call for each frame. True if shear has turned: what is followed then begins anew along the new
+  // axis.
   bool aim(const ContactPatch& patch) noexcept { return axis_.aim(patch, options_.reaim_ratio); }
 
   // Second call for each frame: where the load goes to that was followed to `from`. A force changes when it

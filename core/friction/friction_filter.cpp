@@ -39,7 +39,7 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
 void FrictionFilter::begin_frame(const FrictionFrame& frame) noexcept {
   traction_ratio_.update(frame.patch);
   const LoadStep& step = frame.step;
-  const Load &now = step.now, before = step.previous.value_or(Load{});
+  const Load &now = step.now, before = step.before();
   const double friction = likeliest();
   posterior_.decorrelate(norm((now.normal_n - before.normal_n) / now.normal_n,
                               (now.pull_n - before.pull_n) / (friction * now.normal_n)));

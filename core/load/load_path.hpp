@@ -87,9 +87,11 @@ struct LoadStep {
   // A frame ago; none: this is the first frame of the contact.
   std::optional<Load> previous;
 
+  // A frame ago; in the first frame no load.
+  Load before() const noexcept { return previous.value_or(Load{}); }
   // How far the measured shear moved since then, N; all of it in the first frame.
   double shear_moved_n() const noexcept {
-    const ContactForces to = now.measured, from = previous.value_or(Load{}).measured;
+    const ContactForces to = now.measured, from = before().measured;
     return norm(to.shear_x_n - from.shear_x_n, to.shear_y_n - from.shear_y_n);
   }
   // Since then, s, >= 0; 0 in the first frame.

@@ -60,11 +60,6 @@ std::unique_ptr<FrictionFilter> by_pillars(const TaxelLayout& layout, const Fric
       bounded(options.filter, shaped_bounds(friction), kKnownFrictionSpread));
 }
 
-// Shear that a torque has changed.
-bool has_torque(const Reading* reading) noexcept {
-  return reading != nullptr && reading->under_torque;
-}
-
 }  // namespace
 
 MarginOverTime::MarginOverTime(double sigma_max, Range bounds, std::unique_ptr<FrictionFilter> filter,
@@ -166,14 +161,14 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
     return std::nullopt;
   }
   // A frame whose torque shows friction by itself needs no memory.
-  const bool alone = has_torque(frame.reading) && frame.reading->in_model;
+  const bool alone = frame.step.now.under_torque && frame.reading->in_model;
   if (alone ? filter_->shear_lost() : !filter_->explained()) {
     refuse_contradicted(frame, decision, out);
     return std::nullopt;
   }
   const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared), frame);
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
-  const double known = has_torque(frame.reading) ? kSettledFriction : kKnownFriction;
+  const double known = frame.step.now.under_torque ? kSettledFriction : kKnownFriction;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
   return now;
 }
@@ -267,7 +262,7 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
   if (const auto now = learn(frame, decision, out)) {
     rely_on_least(frame, decision);
     const Reading* const reading = frame.reading;
-    const bool torque = has_torque(reading);
+    const bool torque = frame.step.now.under_torque;
     MeanSigma margin;
     if (torque && reading->in_model) {
       margin = by_itself(*reading, decision, out);
@@ -319,7 +314,7 @@ std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput
     refuse_unknown(frame, decision);
     return std::nullopt;
   }
-  const bool alone = by_forces || (has_torque(frame.reading) && frame.reading->in_model);
+  const bool alone = by_forces || (frame.step.now.under_torque && frame.reading->in_model);
   if (alone ? filter_->shear_lost() : !filter_->explained()) {
     refuse_contradicted(frame, decision, out);
     return std::nullopt;
@@ -350,7 +345,7 @@ void GivenByShape::estimate(const MarginInput& frame, MarginDecision& decision, 
   if (!now) return;
   const Reading* const reading = frame.reading;
   MeanSigma margin = now->margin;
-  if (has_torque(reading)) {
+  if (frame.step.now.under_torque) {
     if (reading->in_model) margin = by_itself(*reading, decision, out);
   } else if (reading != nullptr && !alone) {
     margin = better_of(margin, own_margin(*reading), *reading, out);

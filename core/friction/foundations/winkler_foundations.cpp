@@ -81,14 +81,14 @@ WinklerFoundations::Pressed WinklerFoundations::pressed_by(double radius) const 
   return out;
 }
 
-// What a spring carries is at most what it could before.
-void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double radius_before) noexcept {
+// far: more than a spring's shift, as it carries at most what it could before.
+void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double far) noexcept {
   const double per_newton = pressed_.sum / normal_n_;
   PerBed<float> goal;
   for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(carried_n_[j] * per_newton);
-  const auto far = static_cast<float>(square(std::cbrt(normal_n_)) + square(radius_before));
   kernels_->settle(loads_[0].data(), pressed_.rest.data(), pressed_.touching,
-                   {goal.data(), static_cast<float>(kSettled) * pressed_.sum, far}, which.data(), vectors_);
+                   {goal.data(), static_cast<float>(kSettled) * pressed_.sum, static_cast<float>(far)},
+                   which.data(), vectors_);
 }
 
 void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
@@ -98,7 +98,8 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
   }
   const bool any_taken_over = *std::min_element(taken_over_.begin(), taken_over_.end()) < 0;
   if (normal_n == normal_n_ && shear_n == asked_n_ && !any_taken_over) return;
-  const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n), before = std::cbrt(normal_n_);
+  const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n),
+               radius_before = std::cbrt(normal_n_);
   reach(radius);
   PerBed<float> slope{};
   PerBed<std::int32_t> slips = taken_over_;
@@ -114,15 +115,15 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
     any_slips |= !sticks;
     carried_n_[j] = target_n;
   }
-  const Pressed earlier = std::exchange(pressed_, pressed_by(radius));
+  const Pressed before = std::exchange(pressed_, pressed_by(radius));
   if (any_sticks) {  // the new ring takes its share
     Rest grown;
-    for (std::size_t i = 0; i < kSprings; ++i) grown[i] = pressed_.rest[i] - earlier.rest[i];
+    for (std::size_t i = 0; i < kSprings; ++i) grown[i] = pressed_.rest[i] - before.rest[i];
     kernels_->stretch(loads_[0].data(), grown.data(), slope.data(), vectors_);
   }
   normal_n_ = normal_n;
   asked_n_ = shear_n;
-  if (any_slips) settle(slips, before);
+  if (any_slips) settle(slips, square(radius) + square(radius_before));
   taken_over_ = {};
   summed_ = false;
 }

@@ -69,7 +69,7 @@ class WinklerFoundations {
   void reach(double radius) noexcept;
   Pressed pressed_by(double radius) const noexcept;
   void take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
-  void settle(const PerBed<std::int32_t>& which, double radius_before) noexcept;
+  void settle(const PerBed<std::int32_t>& which, double far) noexcept;
   void sum_up() const noexcept;
 
   const WinklerKernels* kernels_;

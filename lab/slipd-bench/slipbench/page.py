@@ -90,7 +90,7 @@ def section(results):
 
 {chr(10).join('* ' + bullet for bullet in bullets)}
 
-![slips not told over false alarms, and how late slips are told](real-sensors/{spec['name']}.svg)
+![share of slips missed against false alarms per hour, and delay of the alerts after the onset](real-sensors/{spec['name']}.svg)
 """
 
 

@@ -78,7 +78,9 @@ TEST(FollowedForces, ShearThatTurnsFromAKnownAxisIsReportedOnce) {
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(forces.aim(patch_of(2, 0.5, 0)));
   const ContactPatch turned = patch_of(2, 0.5, std::numbers::pi / 2);
   EXPECT_TRUE(forces.aim(turned));
-  EXPECT_NEAR(forces.axis().cosine(turned), 1, 1e-9) << "signed anew along the new axis";
+  EXPECT_NEAR(forces.axis().cosine(turned), 1, 1e-9);
+  EXPECT_DOUBLE_EQ(forces.follow(turned, {2, turned.shear_n}).shear_n, 0.5)
+      << "signed anew along the new axis";
   EXPECT_FALSE(forces.aim(turned));
 }
 

@@ -24,7 +24,7 @@ FREE_S = 0.5         # the hand rests, and nothing touches the sensors
 LIFTED_M = 0.001
 ONSET_M, TOLD_M, SLIP_M, STILL_M = 0.001, 0.002, 0.005, 0.002
 STILL_SECOND_M = 0.0005
-PURE = 0.5           # most of the other motion
+PURE = 0.5           # of a second: the other motion is a smaller share of this one
 LAG_S = 0.07
 TURNED, STILL_TURN = np.radians(10), np.radians(3)
 
