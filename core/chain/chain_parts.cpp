@@ -15,8 +15,8 @@
 #include "core/margin/margin_over_time.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/moments/moments.hpp"
+#include "core/reading/pressure_maps/make_pressure_maps.hpp"
 #include "core/reading/pressure_maps/maps_beside_method.hpp"
-#include "core/reading/pressure_maps/pressure_maps.hpp"
 
 namespace slipd {
 namespace {
@@ -35,11 +35,11 @@ std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& 
 }
 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
-  if (!PressureMaps::can_read(setup.layout, setup.scene.skin))
+  if (!reads_pressure_maps(setup.layout, setup.scene.skin))
     throw std::invalid_argument(
         "method closing under a skin with depth_mm above 0 needs a regular grid of taxels and the base "
         "half_space");
-  return std::make_unique<PressureMaps>(setup.layout, known_friction(setup).range, setup.scene.skin);
+  return make_pressure_maps(setup.layout, known_friction(setup).range, setup.scene.skin);
 }
 
 // `auto`: of the methods that need no training, the one whose error on contacts of this size is least within
@@ -92,7 +92,7 @@ std::unique_ptr<MarginSource> make_margin_source(const ChainSetup& setup, double
 // where maps cannot be used, and where there is no time for them. `work`: of expected_work.
 std::unique_ptr<SlipMethod> with_maps_beside(const ChainSetup& setup, const WorkPrecision& work,
                                              std::unique_ptr<SlipMethod> method) {
-  if (needs_history(kind_of(setup)) || !PressureMaps::can_read(setup.layout, setup.scene.skin) ||
+  if (needs_history(kind_of(setup)) || !reads_pressure_maps(setup.layout, setup.scene.skin) ||
       !choose_for(setup, work).closing_beside)
     return method;
   if (has_skin(setup)) return std::make_unique<MapsUnderSkin>(std::move(method), make_closing(setup));

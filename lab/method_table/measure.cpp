@@ -8,7 +8,7 @@
 #include "core/contact/scene_draws.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/moments/moments.hpp"
-#include "core/reading/pressure_maps/pressure_maps.hpp"
+#include "core/reading/pressure_maps/make_pressure_maps.hpp"
 #include "paper/validation/tradeoff.hpp"
 
 namespace lab {
@@ -43,8 +43,7 @@ std::vector<Candidate> candidates(const TaxelLayout& layout, const Scene& scene)
   std::vector<Candidate> out;
   if (scene.skin.depth_m > 0) {
     out.push_back({Method::fit, make_fit(layout, friction, scene.skin)});
-    out.push_back(
-        {Method::closing, std::make_unique<PressureMaps>(layout, friction, scene.skin), kClosingFrames});
+    out.push_back({Method::closing, make_pressure_maps(layout, friction, scene.skin), kClosingFrames});
     return out;
   }
   out.push_back({Method::moments, std::make_unique<Moments>(layout)});

@@ -12,7 +12,7 @@
 #include "core/contact/scene_draws.hpp"
 #include "core/numeric/random.hpp"
 #include "core/reading/fit/fit.hpp"
-#include "core/reading/pressure_maps/pressure_maps.hpp"
+#include "core/reading/pressure_maps/make_pressure_maps.hpp"
 #include "lab/tradeoff/shape_bound.hpp"
 
 namespace lab {
@@ -85,8 +85,7 @@ Scene shape_scene() {
 std::unique_ptr<SlipMethod> method_of(const ShapeCase& of, const TaxelLayout& layout, const Scene& scene) {
   const double depth_m = 1e-3 * of.depth_mm * of.depth_taken;
   const Range friction = expected_friction(scene);
-  if (of.method == Method::closing)
-    return std::make_unique<PressureMaps>(layout, friction, Skin{.depth_m = depth_m});
+  if (of.method == Method::closing) return make_pressure_maps(layout, friction, {.depth_m = depth_m});
   Skin skin = scene.skin;
   skin.depth_m = depth_m;
   skin.base = of.base_taken;

@@ -11,7 +11,7 @@
 #include "core/frame/few_taxels.hpp"
 #include "core/patch/square_blocks.hpp"
 #include "core/reading/fit/fit.hpp"
-#include "core/reading/pressure_maps/pressure_maps.hpp"
+#include "core/reading/pressure_maps/make_pressure_maps.hpp"
 
 namespace slipd {
 namespace {
@@ -73,7 +73,7 @@ WorkPrecision expected_work(const ChainSetup& setup) {
   WorkPrecision work{.rows = {}, .processor = kMethodTableProcessor};
   if (sensed_depth_m(setup) > 0) {
     work.rows.push_back(row_at(taxels, Method::fit, true));
-    if (PressureMaps::can_read(setup.layout, setup.scene.skin))
+    if (reads_pressure_maps(setup.layout, setup.scene.skin))
       work.rows.push_back(row_at(taxels, Method::closing, true));
     return work;
   }

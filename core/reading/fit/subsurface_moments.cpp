@@ -18,12 +18,10 @@ namespace {
 
 using Sheet = contact::SubsurfaceSheet;
 
-// Radii of the domes, over the contact's. Fewer, or none near 1: a stick zone between two of them is read
-// wrong. More: costs time.
-constexpr std::array<double, 5> kDomeRadii{1, 0.94, 0.8, 0.6, 0.35};
+using contact::kDiscRadii;
 // Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn
 // aside.
-enum PressureColumn : std::size_t { by_x = kDomeRadii.size(), by_y, by_size, by_peak };
+enum PressureColumn : std::size_t { by_x = kDiscRadii.size(), by_y, by_size, by_peak };
 constexpr std::size_t kColumns = by_peak + 1;
 constexpr auto kRows = static_cast<Eigen::Index>(kColumns);
 using ColumnMatrix = Eigen::Matrix<double, kRows, kRows>;
@@ -66,8 +64,8 @@ void SubsurfaceFit::fill_pressure(const Full& at, const Sheet& outer) noexcept {
 // The same of the shear of each dome, 1 N along the pull; the first is the whole contact's.
 void SubsurfaceFit::fill_domes(const Full& at, const ContactPatch& patch, const Sheet& outer) noexcept {
   const double area_m2 = std::numbers::pi * at[ContactShape::size] * at[ContactShape::size];
-  for (std::size_t dome = 0; dome < kDomeRadii.size(); ++dome) {
-    const double x = kDomeRadii[dome], per_n = 1.5 / (x * x * area_m2);
+  for (std::size_t dome = 0; dome < kDiscRadii.size(); ++dome) {
+    const double x = kDiscRadii[dome], per_n = 1.5 / (x * x * area_m2);
     const SensedRows rows =
         sensed_rows(dome == 0 ? outer : model_.show_part(at, x, ContactShape::Detail::rough), Sheet::value);
     fill_column(column(dome), {.dome = rows,
@@ -99,12 +97,13 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   for (Eigen::Index i = 0; i < kRows; ++i) sensed[i] = *next++;
   const double normal_n =
       2.0 / 3 * std::numbers::pi * at[ContactShape::size] * at[ContactShape::size] * at[ContactShape::peak];
-  for (std::size_t i = 0; i < kDomeRadii.size(); ++i) {
+  for (std::size_t i = 0; i < kDiscRadii.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const double u = kDomeRadii[i] * kDomeRadii[i];  // of a disc <u> = 2 u/5, <u^2> = 8 u^2/35
+    const double u = kDiscRadii[i] * kDiscRadii[i];  // of a disc <u> = 2 u/5, <u^2> = 8 u^2/35
     force[row] = 1;
-    slip[row] = 5.0 / 3 - u;
-    legendre[row] = 48.0 / 35 * u * u - 12.0 / 5 * u + 1;
+    const contact::ShearMoments of_disc = contact::moments_of_disc(u);
+    slip[row] = of_disc.slip_moment_n;
+    legendre[row] = of_disc.second_legendre_n;
     legendre_by_size[row] = 24.0 / 5 * u - 4 * 48.0 / 35 * u * u;
     products(row, row) += 1 / (normal_n * normal_n);  // no dome carries much more than P
   }

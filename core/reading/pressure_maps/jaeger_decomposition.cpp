@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/frame/model_errors.hpp"
-#include "core/reading/method/method.hpp"
 
 namespace slipd {
 namespace {
@@ -20,8 +19,15 @@ void JaegerDecomposition::add(std::size_t term, double map_n, double weight) noe
   const auto i = static_cast<Eigen::Index>(term);
   const double force_n = weight * map_n, u = std::pow(map_n / normal_n_, 2.0 / 3);  // of its disc, x^2
   force_n_[i] += force_n;
-  slip_n_[i] += force_n * (5.0 / 3 - u);
-  legendre_n_[i] += force_n * (48.0 / 35 * u * u - 12.0 / 5 * u + 1);
+  const contact::ShearMoments of_disc = contact::moments_of_disc(u);
+  slip_n_[i] += force_n * of_disc.slip_moment_n;
+  legendre_n_[i] += force_n * of_disc.second_legendre_n;
+}
+
+void JaegerDecomposition::give_moments(Reading& out) const noexcept {
+  out.moments = moments_;
+  out.moments_sigma = sigma_;
+  out.moments_common_sigma = common_sigma_;
 }
 
 bool JaegerDecomposition::solve(const Read& read) noexcept {

@@ -11,15 +11,18 @@
 #include <limits>
 
 #include "core/contact/shear_moments.hpp"
+#include "core/reading/method/method.hpp"
 
 namespace slipd {
 
 class JaegerDecomposition {
  public:
-  static constexpr std::size_t kTerms = 5;
-  // Forces of the maps, over the frame's: discs of 1, 0.94, 0.8, 0.6 and 0.35 of the contact's radius. Fewer,
-  // or none near 1: a stick zone between two of them is read wrong. More: noise.
-  static constexpr std::array<double, kTerms> kShares{1, 0.83, 0.512, 0.216, 0.043};
+  static constexpr std::size_t kTerms = contact::kDiscRadii.size();
+  // The force of a term's map, over the frame's: of a Hertzian contact of that radius.
+  static constexpr double share_of(std::size_t term) noexcept {
+    const double radius = contact::kDiscRadii[term];
+    return radius * radius * radius;
+  }
   using Terms = Eigen::Matrix<double, static_cast<int>(kTerms), 1>;
   using Products = Eigen::Matrix<double, static_cast<int>(kTerms), static_cast<int>(kTerms)>;
 
@@ -48,11 +51,9 @@ class JaegerDecomposition {
   // The frame's forces, across the contact and along the shear, N.
   double normal_n() const noexcept { return normal_n_; }
   double shear_n() const noexcept { return shear_n_; }
-  // Signed like it; the deviations of noise, with that which all frames of one closing have in common, and
+  // The moments and their deviations by noise: with that which all frames of one closing have in common, and
   // that alone.
-  const contact::ShearMoments& moments() const noexcept { return moments_; }
-  const contact::ShearMoments& sigma() const noexcept { return sigma_; }
-  const contact::ShearMoments& common_sigma() const noexcept { return common_sigma_; }
+  void give_moments(Reading& out) const noexcept;
   // Sum of squares that is left beyond noise, Pa^2; a mean of 0 where the maps explain the shear.
   double excess_pa2() const noexcept { return excess_pa2_; }
 

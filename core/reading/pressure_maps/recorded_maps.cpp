@@ -22,12 +22,13 @@ constexpr double kFramesOfNone = 1000;
 RecordedMaps::RecordedMaps(std::size_t taxels, bool with_shear)
     : taxels_(taxels), channels_(with_shear ? 3 : 1), values_(kMaps * channels_ * taxels) {
   contact_.reserve(taxels);
+  order_.reserve(kMaps);
 }
 
 void RecordedMaps::clear() noexcept {
   maps_.fill({});
   root_step_ = 0;
-  size_ = 0;
+  order_.clear();
   contact_.clear();
 }
 
@@ -44,6 +45,7 @@ double RecordedMaps::frames_like(double normal_n) const noexcept {
 
 void RecordedMaps::add(const TaxelView& taxels, double normal_n) noexcept {
   const double root = std::sqrt(normal_n);
+  contact_.clear();
   if (root_step_ <= 0) root_step_ = root / kFirstSlot;
   while (root >= static_cast<double>(kMaps) * root_step_) halve();
   const auto slot = static_cast<std::size_t>(root / root_step_);
@@ -87,25 +89,25 @@ void RecordedMaps::join(std::size_t into, std::size_t first, std::size_t second)
 }
 
 void RecordedMaps::sort_out() noexcept {
-  size_ = 0;
+  order_.clear();
   for (std::size_t slot = 0; slot < kMaps; ++slot) {
-    if (maps_[slot].frames > 0) order_[size_++] = slot;
+    if (maps_[slot].frames > 0) order_.push_back(slot);
   }
 }
 
 RecordedMaps::Sum RecordedMaps::at(double normal_n) const noexcept {
-  const double last_n = force_n(size_ - 1), before_n = force_n(size_ - 2);
+  const double last_n = force_n(size() - 1), before_n = force_n(size() - 2);
   if (normal_n - last_n > last_n - before_n) {
     const double part = (normal_n - before_n) / (last_n - before_n);
-    return {.map = {size_ - 2, size_ - 1}, .weight = {1 - part, part}};
+    return {.map = {size() - 2, size() - 1}, .weight = {1 - part, part}};
   }
   // Point 0 is no force, point i map i - 1.
   const double root = std::sqrt(normal_n);
   const auto root_of = [this](std::size_t point) { return point > 0 ? std::sqrt(force_n(point - 1)) : 0; };
   std::size_t above = 1;
-  while (above < size_ && root_of(above) <= root) ++above;
+  while (above < size() && root_of(above) <= root) ++above;
   constexpr std::size_t kPoints = Sum::kOfOneForce;
-  const std::size_t first = std::min(above < kPoints / 2 ? 0 : above - kPoints / 2, size_ + 1 - kPoints);
+  const std::size_t first = std::min(above < kPoints / 2 ? 0 : above - kPoints / 2, size() + 1 - kPoints);
   const double scale = root_of(first + kPoints - 1) - root_of(first);
   Eigen::Matrix<double, kPoints, 3> powers;
   Eigen::Matrix<double, kPoints, 1> frames_of;
@@ -138,15 +140,13 @@ RecordedMaps::Sum RecordedMaps::difference(const Sum& a, const Sum& b) noexcept 
 }
 
 void RecordedMaps::find_contact(double noise_pa) noexcept {
-  if (version_of_contact_ == versions_ || size_ == 0) return;
-  version_of_contact_ = versions_;
-  const std::span<const float> last = normal_of(order_[size_ - 1]);
-  const double least_pa = kClearSigmas * noise_pa / std::sqrt(frames(size_ - 1));
-  contact_.clear();
+  if (!contact_.empty() || order_.empty()) return;
+  const std::span<const float> last = normal_of(order_[size() - 1]);
+  const double least_pa = kClearSigmas * noise_pa / std::sqrt(frames(size() - 1));
   for (std::uint32_t i = 0; i < taxels_; ++i) {
     if (last[i] > least_pa) contact_.push_back(i);
   }
-  for (std::size_t i = 0; i < size_; ++i) {
+  for (std::size_t i = 0; i < size(); ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       const std::size_t one = order_[i], other = order_[j];
       products_[one][other] = products_[other][one] = product(normal_of(one), normal_of(other));
@@ -163,7 +163,7 @@ double RecordedMaps::product(std::span<const float> a, std::span<const float> b)
 
 RecordedMaps::PerMap RecordedMaps::products(std::span<const float> values) const noexcept {
   PerMap out{};
-  for (std::size_t i = 0; i < size_; ++i) out[i] = product(values, normal_of(order_[i]));
+  for (std::size_t i = 0; i < size(); ++i) out[i] = product(values, normal_of(order_[i]));
   return out;
 }
 

@@ -45,7 +45,8 @@ class RecordedMaps {
 
   // Beside the object itself.
   std::size_t memory_bytes() const noexcept {
-    return sizeof(float) * values_.size() + sizeof(std::uint32_t) * contact_.capacity();
+    return sizeof(float) * values_.size() + sizeof(std::uint32_t) * contact_.capacity() +
+           sizeof(std::size_t) * order_.capacity();
   }
 
   // Another contact: no maps.
@@ -59,14 +60,15 @@ class RecordedMaps {
   void add(const TaxelView& taxels, double normal_n) noexcept;
 
   // Maps, in order of their forces.
-  std::size_t size() const noexcept { return size_; }
+  std::size_t size() const noexcept { return order_.size(); }
   // The mean force of a map, N; rising with `map`, which is below size().
   double force_n(std::size_t map) const noexcept { return maps_[order_[map]].force_n; }
   // Frames in its mean.
   double frames(std::size_t map) const noexcept { return maps_[order_[map]].frames; }
-  // Where the map is kept, below kMaps, and a number that no other content of it has had.
+  // Where the map is kept, below kMaps, and a number that no other content of it has had; the newest of them.
   std::size_t slot(std::size_t map) const noexcept { return order_[map]; }
   std::uint64_t version(std::size_t map) const noexcept { return maps_[order_[map]].version; }
+  std::uint64_t newest() const noexcept { return versions_; }
   // The mean of one channel over its frames; shear only if it is recorded.
   std::span<const float> values(std::size_t map, Channel channel) const noexcept {
     return channel_of(order_[map], channel);
@@ -122,15 +124,13 @@ class RecordedMaps {
 
   const std::size_t taxels_, channels_;
   std::uint64_t versions_ = 0;
-  std::uint64_t version_of_contact_ = 0;
-  std::vector<std::uint32_t> contact_;
-  std::vector<float> values_;  // kMaps maps, one after the other
+  std::vector<std::uint32_t> contact_;  // none: not known since the last frame was added
+  std::vector<float> values_;           // kMaps maps, one after the other
   // By slot: of forces whose square root is between slot and slot + 1 times root_step_.
   std::array<Map, kMaps> maps_;
   std::array<PerMap, kMaps> products_{};  // of the maps of two slots over the contact, Pa^2
   double root_step_ = 0;                  // sqrt(N); 0: no map yet
-  std::size_t size_ = 0;
-  std::array<std::size_t, kMaps> order_{};  // slots that have a map
+  std::vector<std::size_t> order_;        // slots that have a map
 };
 
 }  // namespace slipd

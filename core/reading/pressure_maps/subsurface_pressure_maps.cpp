@@ -1,230 +1,177 @@
 #include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/frame/model_errors.hpp"
+#include "core/frame/significance.hpp"
+#include "core/health/usual.hpp"
+#include "core/load/load_path.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
 namespace {
 
-// Wave numbers of which the skin leaves less are noise; share of the pressure, 0 … 0.3. Too small: maps keep
-// their noise. Too large: small contacts lose their edge.
-constexpr double kLeastSensed = 0.1;
+// Taxels of the maps that are filtered in one frame while the gripper closes; for an estimate least_maps
+// times as many; 1000 … 100000, at least one map. Too few: after a quick grip, margins come late. Too many:
+// single frames take long.
+constexpr std::size_t kFilteredInClosing = 4096;
 
 }  // namespace
 
-SubsurfacePressureMaps::SubsurfacePressureMaps(const TaxelLayout& layout, const Skin& skin,
-                                               std::size_t trials)
-    : taxels_(layout.size()),
-      columns_(layout.regular().value().columns),
-      rows_(layout.regular().value().rows),
-      depth_(skin.depth_m, skin.depth_sigma),
-      ratio_(layout.regular().value(), skin.depth_m, kLeastSensed),
-      sensed_(RecordedMaps::kMaps * 2 * kChannels * taxels_),
-      read_pa_(kChannels * taxels_),
-      pressure_pa_(taxels_),
-      ways_(kWays * taxels_),
-      scratch_(6 * taxels_),
-      trials_(trials) {}
+SubsurfacePressureMaps::SubsurfacePressureMaps(const TaxelLayout& layout, Range friction_expected,
+                                               const Skin& skin, const SubsurfacePressureMapsOptions& options)
+    : layout_(layout),
+      options_(options),
+      maps_(layout.size(), true),
+      sensed_(layout, skin, MarginTrials::kSteps),
+      trials_({.expected = friction_expected, .spread = options.maps.prior.scene_spread}) {}
 
-std::size_t SubsurfacePressureMaps::memory_bytes() const noexcept {
-  return sizeof(*this) + ratio_.memory_bytes() +
-         sizeof(float) *
-             (sensed_.size() + read_pa_.size() + pressure_pa_.size() + ways_.size() + scratch_.size());
+void SubsurfacePressureMaps::forget() noexcept {
+  maps_.clear();
+  sensed_.forget();
+  most_n_ = pulled_n_ = 0;
+  asked_at_gamma_ = std::numeric_limits<double>::infinity();
 }
 
-void SubsurfacePressureMaps::read(const TaxelView& taxels, const RecordedMaps& maps,
-                                  double normal_n) noexcept {
-  frame_ = {};
-  smooth(maps);
-  today_ = at(normal_n);
-  const std::span<float> x = std::span(read_pa_).first(taxels_),
-                         y = std::span(read_pa_).subspan(taxels_, taxels_);
-  std::copy_n(taxels.shear_x_pa, taxels_, x.begin());
-  std::copy_n(taxels.shear_y_pa, taxels_, y.begin());
-  add_maps(x, -1, maps, today_, RecordedMaps::shear_x);
-  add_maps(y, -1, maps, today_, RecordedMaps::shear_y);
-  std::fill(pressure_pa_.begin(), pressure_pa_.end(), 0.0F);
-  add_maps(pressure_pa_, 1, maps, today_, RecordedMaps::normal);
-  const auto count = static_cast<double>(taxels_);
-  frame_.map_pa2 = taxel_dot(pressure_pa_, pressure_pa_) / count;
-  find_ways();
-  taxel_vector(std::span(pressure_pa_)) =
-      taxel_vector(std::span(taxels.normal_pa, taxels_)) - taxel_vector(std::span(pressure_pa_));
-  const double share = noise_share(today_);
-  frame_.pressing_share = share / (1 + share);
-  frame_.shear_pa2 = 0.5 * (noise_of(x) + noise_of(y));
-  frame_.normal_pa2 = noise_of(pressure_pa_) / (1 + share);
-  frame_.map_pa2 -= share * frame_.normal_pa2;
-  weigh_pressure(maps, normal_n);
-  multiply(maps);
-  for (std::size_t i = 0; i < trials_.size(); ++i) {
-    Slipping& trial = trials_[i];
-    trial.weights =
-        today_ - at((static_cast<double>(i) + 0.5) / static_cast<double>(trials_.size()) * normal_n);
-    trial.noise_share = noise_share(trial.weights);
-    const double by_noise = map_noise_pa2() * trial.noise_share;
-    trial.xx = product(pulls_.xx, trial.weights, trial.weights) - by_noise;
-    trial.xy = product(pulls_.xy, trial.weights, trial.weights);
-    trial.yy = product(pulls_.yy, trial.weights, trial.weights) - by_noise;
-  }
+double SubsurfacePressureMaps::force_n(const ContactPatch& patch) const noexcept {
+  double sum_pa = 0;
+  for (std::size_t i = 0; i < layout_.size(); ++i) sum_pa += patch.taxels.normal_pa[i];
+  return layout_.area_m2() * sum_pa;
 }
 
-void SubsurfacePressureMaps::multiply(const RecordedMaps& maps) noexcept {
-  const std::span<const float> all(read_pa_), shear = all.first(2 * taxels_), pressure = all.last(taxels_);
-  for (Weights* of : {&of_x_, &of_y_, &shear_of_x_, &shear_of_y_}) of->setZero(roots_.size());
-  for (std::size_t map = 0; map < maps.size(); ++map) {
-    const auto i = static_cast<Eigen::Index>(map);
-    const std::span<const float> by_x = sensed_of(maps.slot(map), false),
-                                 by_y = sensed_of(maps.slot(map), true);
-    shear_of_x_[i] = taxel_dot(shear, by_x.first(2 * taxels_));
-    shear_of_y_[i] = taxel_dot(shear, by_y.first(2 * taxels_));
-    of_x_[i] = shear_of_x_[i] + taxel_dot(pressure, by_x.last(taxels_));
-    of_y_[i] = shear_of_y_[i] + taxel_dot(pressure, by_y.last(taxels_));
-  }
+bool SubsurfacePressureMaps::recorded(double normal_n) const noexcept {
+  return maps_.size() >= options_.maps.least_maps && maps_.force_n(0) <= normal_n / kGrown &&
+         normal_n <= options_.maps.most_step * most_n_;
 }
 
-// Least squares of the pull's two components.
-SubsurfacePressureMaps::Pull SubsurfacePressureMaps::pull(std::size_t trial) const noexcept {
-  const Slipping& of = trials_[trial];
-  const double bx = of.weights.dot(of_x_), by = of.weights.dot(of_y_);
-  const double determinant = of.xx * of.yy - of.xy * of.xy;
-  Pull out;
-  if (!(of.xx > 0 && of.yy > 0 && determinant > 0)) return out;
-  out.x = (of.yy * bx - of.xy * by) / determinant;
-  out.y = (of.xx * by - of.xy * bx) / determinant;
-  const double friction2 = out.x * out.x + out.y * out.y;
-  if (friction2 > 0)
-    out.square_pa2 = (out.x * out.x * of.xx + 2 * out.x * out.y * of.xy + out.y * out.y * of.yy) / friction2;
-  out.residual_pa2 = std::max(0.0, frame_.square_pa2 - (out.x * bx + out.y * by));
-  const double maps_part = friction2 * map_noise_pa2() / frame_.values * of.noise_share;
-  out.noise_pa2 = std::max(frame_.shear_pa2 + maps_part, std::numeric_limits<double>::min());
-  out.map_share = maps_part / out.noise_pa2;
+// Only while the force rises: the first of a pull in a held grip would be taken for what pressing is sensed
+// as.
+void SubsurfacePressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
+  if (!(patch.normal_n > 0) || patch.normal_n < kStandsOutSigmas * patch.normal_sigma_n) return;
+  const double normal_n = force_n(patch);
+  if (patch.shear_n > kPulled * patch.normal_n && patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n)
+    pulled_n_ = std::max(pulled_n_, normal_n);
+  if (!(normal_n > 0) || normal_n < kGrown * pulled_n_) return;
+  const bool pulled = patch.shear_n > options_.most_shear_sensed * patch.normal_n &&
+                      patch.shear_n > kClearSigmas * patch.shear_sigma_n;
+  if (pulled) return;
+  if (normal_n > most_n_ && maps_.frames_like(normal_n) < learning_frames())
+    maps_.add(patch.taxels, normal_n);
+  most_n_ = std::max(most_n_, normal_n);
+  sensed_.prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
+}
+
+MarginTrial SubsurfacePressureMaps::judge(std::size_t step, const ContactPatch& patch) const noexcept {
+  const SensedMaps::Pull pull = sensed_.pull(step);
+  MarginTrial trial{.gamma = MarginTrials::gamma_of(step)};
+  if (!(pull.noise_pa2 > 0)) return trial;
+  trial.residual_pa2 = pull.residual_pa2;
+  trial.noise_pa2 = pull.noise_pa2;
+  trial.misfit = 0.5 * trial.residual_pa2 / trial.noise_pa2;
+  // Both maps' noise is the same in all frames: the difference's, and that of what pressing is sensed as.
+  trial.map_share = std::min(1.0, pull.map_share + sensed_.pressing_share());
+  // Against the force: noise.
+  const double along = pull.x * patch.direction_x + pull.y * patch.direction_y;
+  trials_.weigh_friction(along > 0 ? norm(pull.x, pull.y) : along, pull.square_pa2, trial);
+  return trial;
+}
+
+// The maps are the same ones for all margins. So their noise is taken off each residual, and does not speak
+// against margins that need more friction.
+std::optional<std::size_t> SubsurfacePressureMaps::judge(const ContactPatch& patch) noexcept {
+  for (std::size_t i = 0; i < MarginTrials::kSteps; ++i) trials_[i] = judge(i, patch);
+  const std::optional<std::size_t> best = trials_.best();
+  if (!best) return best;
+  const double noise_pa2 = trials_[*best].noise_pa2;
+  for (MarginTrial& trial : trials_) trial.misfit = 0.5 * trial.residual_pa2 / noise_pa2;
+  return best;
+}
+
+std::optional<SubsurfacePressureMaps::SensedFrame> SubsurfacePressureMaps::read(const ContactPatch& patch,
+                                                                                double normal_n) noexcept {
+  sensed_.prepare(maps_, options_.maps.least_maps * kFilteredInClosing);
+  if (!sensed_.ready(maps_)) return std::nullopt;
+  sensed_.read(patch.taxels, maps_, normal_n);
+  SensedFrame out{.best = judge(patch), .sum = JaegerDecomposition(normal_n)};
+  out.summed = sensed_.superpose(maps_, normal_n, patch.direction_x, patch.direction_y, out.sum);
+  const double unlike = out.summed ? sensed_.unlike_superposed(maps_, patch.direction_x, patch.direction_y)
+                        : out.best ? sensed_.unlike(maps_, *out.best, sensed_.pull(*out.best))
+                                   : std::numeric_limits<double>::infinity();
+  if (!(unlike < kUnlike)) return std::nullopt;
   return out;
 }
 
-// Along the pull.
-double SubsurfacePressureMaps::history_gain(std::size_t trial, const Pull& pull) const noexcept {
-  const double friction = norm(pull.x, pull.y);
-  if (!(friction > 0)) return 0;
-  const double c = pull.x / friction, s = pull.y / friction;
-  const Square along = of_pulls(pulls_, c, s);
-  const Weights read = c * of_x_ + s * of_y_;
-  const auto square = [&](const Slipping& of) { return c * c * of.xx + 2 * c * s * of.xy + s * s * of.yy; };
-  const Slipping& found = trials_[trial];
-  const Weights with_found = along.lazyProduct(found.weights),
-                noise_with_found = per_frames_.cwiseProduct(found.weights);
-  const double noise_pa2 = map_noise_pa2();
-  const double by_maps = kUnevenShare * friction,
-               variance_pa2 = pull.noise_pa2 + by_maps * by_maps * pull.square_pa2;
-  const double found_pa2 = square(found), left = read.dot(found.weights) / found_pa2;
-  double gain = 0;
-  for (const Slipping& other : trials_) {
-    const double other_pa2 = square(other);
-    const double common_pa2 = other.weights.dot(with_found) - noise_pa2 * other.weights.dot(noise_with_found);
-    const double own_pa2 = other_pa2 - common_pa2 * common_pa2 / found_pa2;
-    // Of a difference that is nearly the same, or noise, nothing is left.
-    if (!(found_pa2 > 0 && own_pa2 > kUnlike * other_pa2 && own_pa2 > noise_pa2 * other.noise_share))
-      continue;
-    const double product_pa2 = read.dot(other.weights) - common_pa2 * left;
-    gain = std::max(gain, product_pa2 * product_pa2 / (own_pa2 * variance_pa2));
-  }
-  return gain;
+std::optional<SubsurfacePressureMaps::SensedFrame> SubsurfacePressureMaps::read_grown(
+    const ContactPatch& patch, double normal_n, const SensedFrame& before) noexcept {
+  if (!before.summed) return std::nullopt;
+  maps_.add(sensed_.without_pull(maps_), normal_n);
+  most_n_ = normal_n;
+  return read(patch, normal_n);
 }
 
-// The pressure is left out: its noise would draw five terms towards 0.
-bool SubsurfacePressureMaps::superpose(const RecordedMaps& maps, double normal_n, double direction_x,
-                                       double direction_y, JaegerDecomposition& out) noexcept {
-  const Square along = of_pulls(sensed_as_shear_, direction_x, direction_y);
-  const Weights read = direction_x * shear_of_x_ + direction_y * shear_of_y_;
-  std::array<Weights, JaegerDecomposition::kTerms> terms;
-  JaegerDecomposition::Read sums{.products = {},
-                                 .noise_shares = {},
-                                 .sensed = {},
-                                 .shear_pa2 = frame_.shear_square_pa2,
-                                 .values = static_cast<double>(2 * taxels_),
-                                 .noise_pa2 = std::max(frame_.shear_pa2, std::numeric_limits<double>::min()),
-                                 .map_noise_pa2 = 0.5 * frame_.normal_pa2 * ratio_.noise_gain()};
-  for (std::size_t i = 0; i < terms.size(); ++i) {
-    terms[i] = at(JaegerDecomposition::kShares[i] * normal_n);
-    const auto row = static_cast<Eigen::Index>(i);
-    sums.sensed[row] = terms[i].dot(read);
-    for (std::size_t map = 0; map < maps.size(); ++map)
-      out.add(i, maps.force_n(map), terms[i][static_cast<Eigen::Index>(map)]);
-    for (std::size_t j = 0; j <= i; ++j) {
-      const auto column = static_cast<Eigen::Index>(j);
-      const double share = terms[i].cwiseProduct(per_frames_).dot(terms[j]);
-      sums.noise_shares(row, column) = sums.noise_shares(column, row) = share;
-      sums.products(row, column) = sums.products(column, row) = product(along, terms[i], terms[j]);
-    }
-  }
-  if (!out.solve(sums)) return false;
-  superposed_.setZero(roots_.size());
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    superposed_ += out.friction()[static_cast<Eigen::Index>(i)] * terms[i];
-  return true;
+void SubsurfacePressureMaps::give_moments(const JaegerDecomposition& sum, Reading& out) const noexcept {
+  const auto shears = static_cast<double>(2 * layout_.size());
+  const double noise_pa2 = sensed_.shear_pa2(), excess_pa2 = sum.excess_pa2();
+  const ShearSquares squares{.excess_pa2 = excess_pa2,
+                             .noise_pa2 = noise_pa2 * std::sqrt(2 * SensedMaps::kOfMeasuredNoise * shears),
+                             .explained_pa2 = sensed_.shear_square_pa2() - shears * noise_pa2 - excess_pa2};
+  if (squares.unexplained_share() > kMostUnexplained) return;
+  sum.give_moments(out);
+  if (!(sum.shear_n() > 0)) return;
+  out.normal_n = sum.normal_n();
+  out.shear_n = sum.shear_n();
 }
 
-double SubsurfacePressureMaps::unlike(const RecordedMaps& maps, std::size_t trial,
-                                      const Pull& pull) noexcept {
-  return unlike(maps, trials_[trial].weights, pull.x, pull.y);
+// The same frame, read as if the taxels lay deeper.
+double SubsurfacePressureMaps::sigma_by_depth(const ContactPatch& patch, std::size_t best,
+                                              double gamma) noexcept {
+  if (!(std::fabs(gamma - asked_at_gamma_) > kModelSigma)) return by_depth_;
+  sensed_.deepen(maps_, best, sensed_.pull(best));
+  judge(patch);
+  Reading deeper;
+  trials_.weigh(deeper);
+  asked_at_gamma_ = gamma;
+  by_depth_ =
+      deeper.in_model ? std::fabs(deeper.gamma - gamma) / SensedMaps::kDeeper * sensed_.depth_sigma() : 1;
+  return by_depth_;
 }
 
-double SubsurfacePressureMaps::unlike_superposed(const RecordedMaps& maps, double direction_x,
-                                                 double direction_y) noexcept {
-  return unlike(maps, superposed_, direction_x, direction_y);
-}
-
-double SubsurfacePressureMaps::unlike(const RecordedMaps& maps, const Weights& slipping, double friction_x,
-                                      double friction_y) noexcept {
-  add_maps(pressure_pa_, -friction_x, maps, slipping, RecordedMaps::shear_x);
-  add_maps(pressure_pa_, -friction_y, maps, slipping, RecordedMaps::shear_y);
-  const double noise_pa2 =
-      frame_.normal_pa2 * (1 + noise_share(today_)) +
-      (friction_x * friction_x + friction_y * friction_y) * frame_.shear_pa2 * noise_share(slipping);
-  const double off_pa2 = taxel_dot(pressure_pa_, pressure_pa_) / static_cast<double>(taxels_);
-  return frame_.map_pa2 > 0 ? (off_pa2 - noise_pa2) / frame_.map_pa2
-                            : std::numeric_limits<double>::infinity();
-}
-
-TaxelView SubsurfacePressureMaps::without_pull(const RecordedMaps& maps) noexcept {
-  pulled_ = true;
-  add_maps(pressure_pa_, 1, maps, today_, RecordedMaps::normal);
-  const std::span<float> sensed = std::span(scratch_).first(2 * taxels_);
-  ratio_.press(pressure_pa_, sensed.first(taxels_), sensed.last(taxels_));
-  return {pressure_pa_.data(), sensed.data(), sensed.data() + taxels_};
-}
-
-void SubsurfacePressureMaps::deepen(const RecordedMaps& maps, std::size_t trial, const Pull& pull) noexcept {
-  const Weights& slipping = trials_[trial].weights;
-  const auto part = [this](std::size_t i) { return std::span(scratch_).subspan(i * taxels_, taxels_); };
-  const std::span<float> map = part(0), xx = part(1), xy = part(2), yy = part(3), nx = part(4), ny = part(5);
-  std::fill(map.begin(), map.end(), 0.0F);
-  add_maps(map, 1, maps, slipping, RecordedMaps::normal);
-  const auto qx = static_cast<float>(pull.x), qy = static_cast<float>(pull.y);
-  const std::span<float> x = std::span(read_pa_).first(taxels_),
-                         y = std::span(read_pa_).subspan(taxels_, taxels_),
-                         normal = std::span(read_pa_).last(taxels_);
-  const auto add_sensed = [&](float sign) {
-    ratio_.apply(map, {xx, xy, yy, nx, ny});
-    taxel_vector(x) += sign * (qx * taxel_vector(xx) + qy * taxel_vector(xy));
-    taxel_vector(y) += sign * (qx * taxel_vector(xy) + qy * taxel_vector(yy));
-    taxel_vector(nx) = qx * taxel_vector(nx) + qy * taxel_vector(ny);
-    without_ways(nx);
-    taxel_vector(normal) += sign * static_cast<float>(frame_.pressure_weight) * taxel_vector(nx);
-  };
-  // Towards the nominal depth where the other way is out of reach; the change is the same, with its sign.
-  const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;
-  ratio_.set_depth(filtered_log_ + step);
-  add_sensed(-1);
-  ratio_.set_depth(filtered_log_);
-  add_sensed(1);
-  multiply(maps);
+Reading SubsurfacePressureMaps::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  Reading out;
+  const double normal_n = force_n(patch);
+  if (!recorded(normal_n)) return out;
+  std::optional<SensedFrame> frame = read(patch, normal_n);
+  if (frame && normal_n > (1 + options_.most_shear_sensed) * most_n_)
+    frame = read_grown(patch, normal_n, *frame);
+  if (!frame) return out;
+  if (frame->summed) give_moments(frame->sum, out);
+  if (!frame->best) return out;
+  const std::size_t step = *frame->best;
+  const MarginTrial best = trials_[step];
+  const SensedMaps::Pull pull = sensed_.pull(step);
+  const std::optional<std::size_t> closest = trials_.closest();
+  if (!closest ||
+      sensed_.history_gain(*closest, sensed_.pull(*closest)) > kStandsOutSigmas * kStandsOutSigmas)
+    return out;
+  const double values = sensed_.values(), residual_pa2 = trials_[*closest].residual_pa2;
+  const ShearSquares squares{
+      .excess_pa2 = residual_pa2 - sensed_.shear_pa2() * values,
+      .noise_pa2 = best.noise_pa2 * std::sqrt(2 * SensedMaps::kOfMeasuredNoise * values),
+      .explained_pa2 = sensed_.square_pa2() - residual_pa2};
+  const double unexplained = squares.unexplained_share();
+  if (unexplained > kMostUnexplained) return out;
+  trials_.weigh(out);
+  conclude(patch, best, unexplained, out);
+  out.normal_n = normal_n;
+  out.shear_n = norm(pull.x, pull.y) * (1 - best.gamma) * normal_n;
+  const double by_depth = sigma_by_depth(patch, step, out.gamma);
+  out.sigma = norm(out.sigma, by_depth);
+  out.common_sigma = norm(out.common_sigma, by_depth);
+  out.friction_sigma = norm(out.friction_sigma, out.friction * by_depth / (1 - out.gamma));
+  return out;
 }
 
 }  // namespace slipd

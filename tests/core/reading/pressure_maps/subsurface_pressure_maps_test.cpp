@@ -11,7 +11,7 @@
 
 #include "core/chain/chain.hpp"
 #include "core/contact/contact_field.hpp"
-#include "core/reading/pressure_maps/pressure_maps.hpp"
+#include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -87,7 +87,7 @@ class SensedGrip {
   Frame frame() const {
     return {static_cast<std::uint64_t>(frame_), 1'000'000 * frame_, now_.p, now_.x, now_.y};
   }
-  void close(PressureMaps& closing) {
+  void close(SubsurfacePressureMaps& closing) {
     closing.forget();
     for (const Sensed& sensed : closing_) {
       const ContactPatch& patch = sense(sensed);
@@ -126,7 +126,7 @@ struct Tally {
 
 // One loaded frame after each closing. taken: depth that the method is set to, over the true one.
 Tally pulls_of(SensedGrip& grip, double depth_m, double taken = 1, int closings = 3) {
-  PressureMaps closing(grip.layout(), kSensedFriction, {.depth_m = depth_m * taken});
+  SubsurfacePressureMaps closing(grip.layout(), kSensedFriction, {.depth_m = depth_m * taken});
   constexpr int kPulls = 12;
   std::vector<Sensed> pulls;
   std::vector<double> gammas;
@@ -207,7 +207,7 @@ class ClosedSensedGrip : public ::testing::Test {
   }
 
   SensedGrip grip_{16, {.depth_m = kDepth_m, .stretch = 1.5}};
-  PressureMaps closing_{grip_.layout(), kSensedFriction, {.depth_m = kDepth_m}};
+  SubsurfacePressureMaps closing_{grip_.layout(), kSensedFriction, {.depth_m = kDepth_m}};
 };
 
 TEST_F(ClosedSensedGrip, GivesTheForcesThatAct) {

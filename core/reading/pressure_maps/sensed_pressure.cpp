@@ -1,4 +1,4 @@
-// Of SubsurfacePressureMaps: the pressure that a pull is sensed as, told from other changes of the pressure.
+// Of SensedMaps: the pressure that a pull is sensed as, told from other changes of the pressure.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/frame/significance.hpp"
-#include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
+#include "core/reading/pressure_maps/sensed_maps.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
@@ -22,7 +22,7 @@ constexpr double kAlikeTaxels = 30;
 }  // namespace
 
 // pressure_pa_ is today's map.
-void SubsurfacePressureMaps::find_ways() noexcept {
+void SensedMaps::find_ways() noexcept {
   const std::span<float> along_x = std::span(ways_).first(taxels_),
                          along_y = std::span(ways_).subspan(taxels_, taxels_),
                          grown = std::span(ways_).last(taxels_);
@@ -47,7 +47,7 @@ void SubsurfacePressureMaps::find_ways() noexcept {
   }
 }
 
-void SubsurfacePressureMaps::without_ways(std::span<float> pressure) const noexcept {
+void SensedMaps::without_ways(std::span<float> pressure) const noexcept {
   for (std::size_t way = 0; way < kWays; ++way) {
     const ConstTaxelVector known = taxel_vector(std::span(ways_).subspan(way * taxels_, taxels_));
     taxel_vector(pressure) -= taxel_vector(pressure).dot(known) * known;
@@ -55,7 +55,7 @@ void SubsurfacePressureMaps::without_ways(std::span<float> pressure) const noexc
 }
 
 // A pull is sensed as pressure by the kernel that pressing is sensed as shear by.
-void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double normal_n) noexcept {
+void SensedMaps::weigh_pressure(const RecordedMaps& maps, double normal_n) noexcept {
   const std::span<float> pressure = std::span(read_pa_).last(taxels_);
   std::copy(pressure_pa_.begin(), pressure_pa_.end(), pressure.begin());
   without_ways(pressure);
@@ -86,7 +86,7 @@ void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double nor
   const double noise_pa2 =
       std::max(frame_.normal_pa2 * (1 + noise_share(today_)), std::numeric_limits<double>::min());
   const double left_pa2 =
-      std::max(0.0, square_pa2 - explained_pa2(of_x, of_y, normal_n)) / std::max(1.0, taxels - kWays);
+      std::max(0.0, square_pa2 - explained_pa2(maps, of_x, of_y, normal_n)) / std::max(1.0, taxels - kWays);
   // That no noise explains: the deviation of a mean square, and that of the noise as it is measured.
   const double surely = 1 + kClearSigmas * std::sqrt(2 * kOfMeasuredNoise / taxels);
   frame_.pressure_weight =
@@ -103,11 +103,11 @@ void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double nor
 }
 
 // By least squares over the maps of a few forces, pulled along x and along y.
-double SubsurfacePressureMaps::explained_pa2(const Weights& of_x, const Weights& of_y,
-                                             double normal_n) const noexcept {
+double SensedMaps::explained_pa2(const RecordedMaps& maps, const Weights& of_x, const Weights& of_y,
+                                 double normal_n) const noexcept {
   constexpr int kMaps = static_cast<int>(kPullShares.size());
   std::array<Weights, kPullShares.size()> of;
-  for (std::size_t i = 0; i < of.size(); ++i) of[i] = at(kPullShares[i] * normal_n);
+  for (std::size_t i = 0; i < of.size(); ++i) of[i] = at(maps, kPullShares[i] * normal_n);
   Eigen::Matrix<double, 2 * kMaps, 2 * kMaps> squares;
   Eigen::Matrix<double, 2 * kMaps, 1> sensed;
   for (int i = 0; i < kMaps; ++i) {

@@ -1,10 +1,10 @@
-// Of SubsurfacePressureMaps: the maps, filtered and smoothed, and the depth that they show.
+// Of SensedMaps: the maps, filtered and smoothed, and the depth that they show.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/frame/model_errors.hpp"
-#include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
+#include "core/reading/pressure_maps/sensed_maps.hpp"
 #include "core/reading/pressure_maps/taxel_sums.hpp"
 
 namespace slipd {
@@ -25,21 +25,20 @@ double covariance_of(double a, double b) noexcept {
 
 }  // namespace
 
-bool SubsurfacePressureMaps::ready(const RecordedMaps& maps) const noexcept {
+bool SensedMaps::ready(const RecordedMaps& maps) const noexcept {
   for (std::size_t map = 0; map < maps.size(); ++map) {
     if (version_[maps.slot(map)] != maps.version(map)) return false;
   }
   return true;
 }
 
-void SubsurfacePressureMaps::forget() noexcept {
+void SensedMaps::forget() noexcept {
   depth_.forget();
   last_filling_ = kNone;
   pulled_ = false;
 }
 
-void SubsurfacePressureMaps::prepare(const RecordedMaps& maps, std::size_t taxels,
-                                     std::size_t filling) noexcept {
+void SensedMaps::prepare(const RecordedMaps& maps, std::size_t taxels, std::size_t filling) noexcept {
   if (filling != last_filling_ && maps.size() > 0) {
     find_depth(maps);
     last_filling_ = filling;
@@ -53,7 +52,7 @@ void SubsurfacePressureMaps::prepare(const RecordedMaps& maps, std::size_t taxel
   }
 }
 
-void SubsurfacePressureMaps::filter(const RecordedMaps& maps, std::size_t map) noexcept {
+void SensedMaps::filter(const RecordedMaps& maps, std::size_t map) noexcept {
   const std::size_t slot = maps.slot(map), n = taxels_;
   const std::span<float> by_x = sensed_of(slot, false), by_y = sensed_of(slot, true);
   ratio_.apply(maps.values(map, RecordedMaps::normal),
@@ -79,10 +78,10 @@ void SubsurfacePressureMaps::filter(const RecordedMaps& maps, std::size_t map) n
 }
 
 // One step of Newton's method on the log of the depth, by the map of the greatest force.
-void SubsurfacePressureMaps::find_depth(const RecordedMaps& maps) noexcept {
+void SensedMaps::find_depth(const RecordedMaps& maps) noexcept {
   if (!depth_.open()) return;
   smooth(maps);
-  const Weights last = at(last_n_);
+  const Weights last = at(maps, maps.force_n(maps.size() - 1));
   const std::span<float> all(scratch_), map = all.first(taxels_), sensed = all.subspan(taxels_, 2 * taxels_);
   const std::span<float> left = std::span(read_pa_).first(2 * taxels_), x = left.first(taxels_),
                          y = left.last(taxels_);
@@ -121,7 +120,7 @@ void SubsurfacePressureMaps::find_depth(const RecordedMaps& maps) noexcept {
 }
 
 // Mixed second differences leave of what a skin has smoothed nearly nothing, and of noise all.
-double SubsurfacePressureMaps::noise_of(std::span<const float> values) const noexcept {
+double SensedMaps::noise_of(std::span<const float> values) const noexcept {
   if (columns_ < 3 || rows_ < 3) return 0;
   double squares = 0;
   for (std::size_t row = 1; row + 1 < rows_; ++row) {
@@ -140,8 +139,7 @@ double SubsurfacePressureMaps::noise_of(std::span<const float> values) const noe
   return squares / (kOfWhiteNoise * static_cast<double>((columns_ - 2) * (rows_ - 2)));
 }
 
-void SubsurfacePressureMaps::gather(const ProductsOfSlots& from, const RecordedMaps& maps,
-                                    Pulls& out) const noexcept {
+void SensedMaps::gather(const ProductsOfSlots& from, const RecordedMaps& maps, Pulls& out) const noexcept {
   const auto size = static_cast<Eigen::Index>(maps.size());
   for (Square* of : {&out.xx, &out.xy, &out.yy}) of->setZero(size + 1, size + 1);
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -155,18 +153,16 @@ void SubsurfacePressureMaps::gather(const ProductsOfSlots& from, const RecordedM
   }
 }
 
-void SubsurfacePressureMaps::smooth(const RecordedMaps& maps) noexcept {
-  std::uint64_t newest = 0;
-  for (std::size_t map = 0; map < maps.size(); ++map) newest = std::max(newest, maps.version(map));
-  if (newest == smoothed_) return;
-  smoothed_ = newest;
+void SensedMaps::smooth(const RecordedMaps& maps) noexcept {
+  if (maps.newest() == smoothed_) return;
+  smoothed_ = maps.newest();
   const auto size = static_cast<Eigen::Index>(maps.size());
-  last_n_ = maps.force_n(maps.size() - 1);
+  const double last_n = maps.force_n(maps.size() - 1);
   roots_.setZero(size + 1);
   per_frames_.setZero(size + 1);
   for (Eigen::Index i = 0; i < size; ++i) {
     const auto map = static_cast<std::size_t>(i);
-    roots_[i] = std::sqrt(maps.force_n(map) / last_n_);
+    roots_[i] = std::sqrt(maps.force_n(map) / last_n);
     per_frames_[i] = 1 / maps.frames(map);
   }
   gather(as_shear_, maps, sensed_as_shear_);
@@ -181,8 +177,8 @@ void SubsurfacePressureMaps::smooth(const RecordedMaps& maps) noexcept {
   solved.solveInPlace(inverse_);
 }
 
-SubsurfacePressureMaps::Weights SubsurfacePressureMaps::at(double normal_n) const noexcept {
-  const double root = std::sqrt(normal_n / last_n_);
+SensedMaps::Weights SensedMaps::at(const RecordedMaps& maps, double normal_n) const noexcept {
+  const double root = std::sqrt(normal_n / maps.force_n(maps.size() - 1));
   Weights alike(roots_.size());
   for (Eigen::Index i = 0; i < roots_.size(); ++i) alike[i] = covariance_of(root, roots_[i]);
   return inverse_.lazyProduct(alike);
