@@ -1,5 +1,7 @@
 // The method that knows no shape, under a skin: closings and pulls of the contact model, as taxels at a depth
 // sense them.
+#include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 
 #include "core/chain/chain.hpp"
 #include "core/contact/contact_field.hpp"
-#include "core/reading/pressure_maps/subsurface_pressure_maps.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
