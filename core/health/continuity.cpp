@@ -29,42 +29,50 @@ double unlikeness_of_sizes(double ratio) noexcept {
   return std::clamp(1 - cosine * cosine, 0.0, 1.0);
 }
 
-}  // namespace
-
 // A contact whose force changes in one frame changes its size by Hertz's theory: the radius goes with the
 // cube root of the force. The less of it, the less both overlap.
-double Continuity::by_growth(const ContactPatch& patch) const noexcept {
-  const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
-  const double overlap = std::max(0.0, 1 - moved_m / std::min(patch.radius_m, last_radius_m_));
-  const double less_n = std::min(patch.normal_n, last_normal_n_);
-  const double more_n = std::max(patch.normal_n, last_normal_n_);
+double by_growth(const ContactNumbers& now, const ContactNumbers& before) noexcept {
+  const double moved_m = norm(now.center_x_m - before.center_x_m, now.center_y_m - before.center_y_m);
+  const double overlap = std::max(0.0, 1 - moved_m / std::min(now.radius_m, before.radius_m));
+  const double less_n = std::min(now.normal_n, before.normal_n);
+  const double more_n = std::max(now.normal_n, before.normal_n);
   return overlap * unlikeness_of_sizes(std::cbrt(less_n / more_n));
 }
 
-bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes,
-                        bool fast, const ContinuityOptions& options) noexcept {
-  const double unlikeness = pattern.unlikeness();
+}  // namespace
+
+bool SeenFrame::clear() const noexcept {
+  return contact.in_contact && contact.normal_n > kStrongSigmas * contact.normal_sigma_n;
+}
+
+bool SeenFrame::directed() const noexcept {
+  return clear() && contact.shear_n > 0 && contact.shear_n > kStandsOutSigmas * contact.shear_sigma_n;
+}
+
+bool Continuity::unlike(const Step& step) noexcept {
+  const ContactNumbers &now = step.now.contact, &before = step.before.contact;
+  const double unlikeness = step.pattern.unlikeness();
   if (!std::isfinite(unlikeness)) return false;
-  const double noise_pa2 =
-      std::max(patch.noise_normal_pa * patch.noise_normal_pa, last_noise_pa_ * last_noise_pa_) *
-      static_cast<double>(probes);
-  const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
-  const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch);
+  const double noise_pa = std::max(now.noise_normal_pa, before.noise_normal_pa);
+  const double noise_pa2 = noise_pa * noise_pa * static_cast<double>(step.probes);
+  const double by_noise = noise_pa2 / step.pattern.square_pa2 + noise_pa2 / step.pattern.square_before_pa2;
+  const double least =
+      step.fast ? options_.least_unlike_fast : options_.least_unlike + by_growth(now, before);
   const bool jumped = unlikeness_.known() && unlikeness > least &&
                       unlikeness > kBeyondUsual * std::max(unlikeness_.peak, by_noise);
   if (!jumped) unlikeness_.learn(unlikeness);
   return jumped;
 }
 
-bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept {
-  const double x_n = patch.shear_x_n, y_n = patch.shear_y_n;
-  const double turn_rad = std::fabs(std::atan2(last_shear_x_n_ * y_n - last_shear_y_n_ * x_n,
-                                               last_shear_x_n_ * x_n + last_shear_y_n_ * y_n));
-  const double step_n = norm(x_n - last_shear_x_n_, y_n - last_shear_y_n_);
-  const double by_noise =
-      patch.shear_sigma_n / patch.shear_n + last_shear_sigma_n_ / norm(last_shear_x_n_, last_shear_y_n_);
+bool Continuity::turned(const Step& step) noexcept {
+  const ContactNumbers &now = step.now.contact, &before = step.before.contact;
+  const double turn_rad =
+      std::fabs(std::atan2(before.shear_x_n * now.shear_y_n - before.shear_y_n * now.shear_x_n,
+                           before.shear_x_n * now.shear_x_n + before.shear_y_n * now.shear_y_n));
+  const double step_n = norm(now.shear_x_n - before.shear_x_n, now.shear_y_n - before.shear_y_n);
+  const double by_noise = now.shear_sigma_n / now.shear_n + before.shear_sigma_n / before.shear_n;
   const bool jumped = turn_.known() && turn_rad > kTurned &&
-                      step_n > options.least_turn_share * patch.normal_n &&
+                      step_n > options_.least_turn_share * now.normal_n &&
                       turn_rad > kBeyondUsual * std::max(turn_.peak, by_noise);
   if (!jumped) turn_.learn(turn_rad);
   return jumped;
@@ -72,57 +80,40 @@ bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& opti
 
 // All pressures grew or fell by a factor, and the contact's size did not. It lasts until the force is of the
 // former size again.
-bool Continuity::scaled(const ContactPatch& patch, const PatternChange& pattern,
-                        const ContinuityOptions& options) noexcept {
+bool Continuity::scaled(const Step& step) noexcept {
   const double most = std::log(kWrongScale);
+  const double now_n = step.now.contact.normal_n, before_n = step.before.contact.normal_n;
   if (scaled_from_n_ > 0) {
-    if (log_ratio(patch.normal_n, scaled_from_n_) > most / 2) return true;
+    if (log_ratio(now_n, scaled_from_n_) > most / 2) return true;
     scaled_from_n_ = 0;
-  } else if (log_ratio(patch.normal_n, last_normal_n_) > most &&
-             pattern.unlikeness() < options.least_unlike_fast) {
-    scaled_from_n_ = last_normal_n_;
+  } else if (log_ratio(now_n, before_n) > most && step.pattern.unlikeness() < options_.least_unlike_fast) {
+    scaled_from_n_ = before_n;
     return true;
   }
   return false;
 }
 
-void Continuity::skip(std::int64_t time_ns) noexcept {
-  last_ns_ = time_ns;
-  last_clear_ = last_directed_ = false;
-}
-
-Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
-                          std::size_t probes, const ContinuityOptions& options) noexcept {
-  const bool clear = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
-  const bool directed = clear && patch.shear_n > 0 && patch.shear_n > kStandsOutSigmas * patch.shear_sigma_n;
-  const double step_s = kSecondsPerNano * static_cast<double>(time_ns - last_ns_);
+Health Continuity::update(const SeenFrame& now, const SeenFrame* before, const PatternChange& pattern,
+                          std::size_t probes) noexcept {
+  const bool follows = before != nullptr && !skipped_;
+  skipped_ = false;
+  const double step_s = before ? kSecondsPerNano * static_cast<double>(now.time_ns - before->time_ns) : 0;
   // What a contact did while frames were lost is no jump.
-  const bool regular = last_ns_ != 0 && (usual_step_s_ <= 0 || step_s <= kBeyondUsual * usual_step_s_);
-  if (last_ns_ != 0 && step_s > 0)
-    usual_step_s_ += (usual_step_s_ > 0 ? 1.0 / kMemoryFrames : 1) * (step_s - usual_step_s_);
-  last_ns_ = time_ns;
+  const bool regular = usual_step_s_ <= 0 || step_s <= kBeyondUsual * usual_step_s_;
+  if (step_s > 0) usual_step_s_ += (usual_step_s_ > 0 ? 1.0 / kMemoryFrames : 1) * (step_s - usual_step_s_);
   Health health = Health::good;
-  if (!patch.in_contact) {
+  const double normal_n = now.contact.normal_n;
+  if (!now.contact.in_contact) {
     scaled_from_n_ = 0;
     unlikeness_ = turn_ = {};
-  } else if (regular && clear && last_clear_) {
-    const bool fast = step_s <= options.fast_step_s;
-    const bool turn = fast && directed && last_directed_ && turned(patch, options);
-    if (unlike(patch, pattern, probes, fast, options) || turn) broken_at_n_ = patch.normal_n;
-    if (scaled(patch, pattern, options)) health = Health::wrong_scale;
+  } else if (follows && regular && now.clear() && before->clear()) {
+    const Step step{now, *before, pattern, probes, step_s <= options_.fast_step_s};
+    const bool turn = step.fast && now.directed() && before->directed() && turned(step);
+    if (unlike(step) || turn) broken_at_n_ = normal_n;
+    if (scaled(step)) health = Health::wrong_scale;
   }
-  if (!clear || kWrongScale * patch.normal_n < broken_at_n_) broken_at_n_ = 0;
+  if (!now.clear() || kWrongScale * normal_n < broken_at_n_) broken_at_n_ = 0;
   if (broken_at_n_ > 0 && health == Health::good) health = Health::jump;
-  last_clear_ = clear;
-  last_directed_ = directed;
-  last_normal_n_ = patch.normal_n;
-  last_noise_pa_ = patch.noise_normal_pa;
-  last_center_x_m_ = patch.center_x_m;
-  last_center_y_m_ = patch.center_y_m;
-  last_radius_m_ = patch.radius_m;
-  last_shear_x_n_ = patch.shear_x_n;
-  last_shear_y_n_ = patch.shear_y_n;
-  last_shear_sigma_n_ = patch.shear_sigma_n;
   return health;
 }
 

@@ -29,32 +29,47 @@ struct ContinuityOptions {
   double fast_step_s = 3e-3;
 };
 
+// What is kept of a frame for the next one.
+struct SeenFrame {
+  std::int64_t time_ns = 0;
+  ContactNumbers contact;
+
+  // Its force is far above the noise.
+  bool clear() const noexcept;
+  // So is its shear.
+  bool directed() const noexcept;
+};
+
 class Continuity {
  public:
-  // A frame that is not believed for another reason: the next one is not compared with it.
-  void skip(std::int64_t time_ns) noexcept;
+  explicit Continuity(const ContinuityOptions& options) noexcept : options_(options) {}
 
-  // Any other frame. A jump lasts until the object is let go: its force is not clear any more, or the
-  // kWrongScale-th part of what it was. `probes`: taxels in `pattern`. Returns good,
-  // jump or wrong_scale.
-  Health update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
-                std::size_t probes, const ContinuityOptions& options) noexcept;
+  // A frame that is not believed for another reason: the next one is not compared with it.
+  void skip() noexcept { skipped_ = true; }
+
+  // Any other frame, with the one before; null: the first. A jump lasts until the object is let go: its force
+  // is not clear any more, or the kWrongScale-th part of what it was. pattern: how the pressure changed
+  // since, in so many probes. Returns good, jump or wrong_scale.
+  Health update(const SeenFrame& now, const SeenFrame* before, const PatternChange& pattern,
+                std::size_t probes) noexcept;
 
  private:
-  bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
-              const ContinuityOptions& options) noexcept;
-  double by_growth(const ContactPatch& patch) const noexcept;
-  bool turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept;
-  bool scaled(const ContactPatch& patch, const PatternChange& pattern,
-              const ContinuityOptions& options) noexcept;
+  // How one frame follows another.
+  struct Step {
+    const SeenFrame& now;
+    const SeenFrame& before;
+    const PatternChange& pattern;
+    std::size_t probes;
+    bool fast;  // at most fast_step_s
+  };
+  bool unlike(const Step& step) noexcept;
+  bool turned(const Step& step) noexcept;
+  bool scaled(const Step& step) noexcept;
 
-  std::int64_t last_ns_ = 0;  // 0: no frame yet
-  double usual_step_s_ = 0;   // between frames; 0: not known
+  const ContinuityOptions options_;
+  bool skipped_ = false;     // the frame before
+  double usual_step_s_ = 0;  // between frames; 0: not known
   UsualValue unlikeness_, turn_;
-  bool last_clear_ = false, last_directed_ = false;
-  double last_normal_n_ = 0, last_noise_pa_ = 0;
-  double last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
-  double last_shear_x_n_ = 0, last_shear_y_n_ = 0, last_shear_sigma_n_ = 0;
   double broken_at_n_ = 0;    // the normal force at which this contact jumped; 0: it did not
   double scaled_from_n_ = 0;  // the normal force before all pressures were scaled; 0: they were not
 };

@@ -40,6 +40,7 @@ PlausibilityMonitor::PlausibilityMonitor(const TaxelLayout& layout, const Plausi
       options_(options),
       spikes_(layout, limits, options.spikes),
       probes_(layout, kSampled),
+      continuity_(options.continuity),
       lines_(probes_.lines()) {}
 
 void PlausibilityMonitor::blame(Verdict verdict, Health health) noexcept {
@@ -60,7 +61,8 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   judge_values(patch);
   judge_size(patch);
   judge_offset(patch);
-  judge_course(patch);
+  const SeenFrame now{frame.time_ns, patch};
+  judge_course(now);
   const bool frozen = judge_frozen();
   if (!frozen) {
     for (std::size_t c = 0; c < kChannels; ++c) judge_channel(c, patch);
@@ -69,11 +71,13 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
     judge_past();
   }
   if (noise_jump_.update(probes_.channels(), patch.in_contact)) blame(Verdict::frame_refused, Health::noisy);
-  judge_continuity(frame, patch);
-  judge_time(frame);
-  const bool repeats = frozen && any_ && patch.normal_n == last_normal_n_ &&
-                       patch.frame_peak_pa == last_peak_pa_ && patch.frame_least_pa == last_least_pa_;
-  remember(frame, patch);
+  judge_continuity(now);
+  judge_time(frame.time_ns);
+  const bool repeats = frozen && before_ && patch.normal_n == before_->contact.normal_n &&
+                       patch.frame_peak_pa == before_->contact.frame_peak_pa &&
+                       patch.frame_least_pa == before_->contact.frame_least_pa;
+  learn_change(patch);
+  before_ = now;
   hold();
   now_.repeats = repeats;
   return now_;
@@ -110,58 +114,58 @@ void PlausibilityMonitor::judge_size(const ContactPatch& patch) noexcept {
   if (small || large) blame(Verdict::frame_refused, Health::wrong_scale);
 }
 
-void PlausibilityMonitor::judge_time(const Frame& frame) noexcept {
-  if (any_ && frame.time_ns <= last_ns_) blame(Verdict::plausible, Health::time);
+void PlausibilityMonitor::judge_time(std::int64_t time_ns) noexcept {
+  if (before_ && time_ns <= before_->time_ns) blame(Verdict::plausible, Health::time);
 }
 
 // An offset of all taxels: what was next to nothing everywhere is suddenly not, or of a flat skin, what was
 // held is suddenly several times as much, by the same on each taxel.
 bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
-  const double rise_pa = static_cast<double>(patch.frame_least_pa) - static_cast<double>(last_least_pa_);
-  const double peak_pa = last_peak_pa_;
+  const double least_pa = before_->contact.frame_least_pa, peak_pa = before_->contact.frame_peak_pa;
+  const double rise_pa = static_cast<double>(patch.frame_least_pa) - least_pa;
   if (limits_.flat) {
     const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
     const bool steady = change_.known() && change_.mean < kChanged;
     return steady && rise_pa > kBeyondUsual * peak_pa &&
            std::fabs(peak_rise_pa - rise_pa) < kChanged * rise_pa;
   }
-  const bool small_before = std::fabs(static_cast<double>(last_least_pa_)) < kUnloading * peak_pa;
+  const bool small_before = std::fabs(least_pa) < kUnloading * peak_pa;
   return small_before && rise_pa > options_.least_rise_share * peak_pa;
 }
 
 void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
   if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
-  if (any_ && layout_.size() >= kManyTaxels && last_in_contact_ && raised(patch))
+  if (layout_.size() >= kManyTaxels && touched_before() && raised(patch))
     lifted_pa_ = patch.frame_least_pa / 2;
   if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);
 }
 
 // What the contact did since the last frame.
-void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
-  if (!patch.in_contact || !last_in_contact_) {
+void PlausibilityMonitor::judge_course(const SeenFrame& now) noexcept {
+  if (!now.contact.in_contact || !touched_before()) {
     fallen_from_n_ = 0;
     return;
   }
+  const ContactNumbers &contact = now.contact, &before = before_->contact;
   if (fallen_from_n_ > 0) {
-    if (patch.normal_n * kVanished > fallen_from_n_) {
+    if (contact.normal_n * kVanished > fallen_from_n_) {
       fallen_from_n_ = 0;
     } else {
       blame(Verdict::frame_refused, Health::wrong_scale);
     }
-  } else if (patch.normal_n * kVanished < last_normal_n_) {
-    fallen_from_n_ = last_normal_n_;
+  } else if (contact.normal_n * kVanished < before.normal_n) {
+    fallen_from_n_ = before.normal_n;
   }
-  const bool clear = patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
-  const double moved_m = norm(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
-  const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
-  if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
+  const double moved_m = norm(contact.center_x_m - before.center_x_m, contact.center_y_m - before.center_y_m);
+  const double most_m = std::max(contact.radius_m, before.radius_m) + options_.jump_sides * layout_.side_m();
+  if (layout_.size() > 1 && now.clear() && before_->clear() && moved_m > most_m)
     blame(Verdict::frame_refused, Health::jump);
 }
 
-void PlausibilityMonitor::judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept {
-  if (now_.verdict != Verdict::plausible || layout_.size() == 1) return continuity_.skip(frame.time_ns);
+void PlausibilityMonitor::judge_continuity(const SeenFrame& now) noexcept {
+  if (now_.verdict != Verdict::plausible || layout_.size() == 1) return continuity_.skip();
   const Health health =
-      continuity_.update(frame.time_ns, patch, probes_.pattern(), probes_.size(), options_.continuity);
+      continuity_.update(now, before_ ? &*before_ : nullptr, probes_.pattern(), probes_.size());
   if (health != Health::good) blame(Verdict::frame_refused, health);
 }
 
@@ -222,8 +226,8 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
   if (seen.change.changed > 0) {
     is.stillness.update(seen.change);
     const bool vanished = !normal && seen.nonzero == 0 && seen.nonzero_before >= kBadTaxels &&
-                          patch.in_contact && last_in_contact_ &&
-                          patch.normal_n > kUnloading * last_normal_n_;
+                          patch.in_contact && touched_before() &&
+                          patch.normal_n > kUnloading * before_->contact.normal_n;
     is.dead = vanished;
   } else if (normal || seen.nonzero > 0 || is.alive_in_contact || is.alive_free >= learning_frames()) {
     is.dead = is.stillness.update(seen.change) || is.dead;
@@ -286,22 +290,12 @@ std::size_t PlausibilityMonitor::count_at(std::size_t channel, float magnitude_p
   return count;
 }
 
-void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch) noexcept {
-  if (!patch.in_contact || !last_in_contact_ || !(patch.normal_n > 0) || !(last_normal_n_ > 0)) {
+void PlausibilityMonitor::learn_change(const ContactPatch& patch) noexcept {
+  if (!patch.in_contact || !touched_before() || !(patch.normal_n > 0) || !(before_->contact.normal_n > 0)) {
     change_ = {};
   } else {
-    change_.learn(std::fabs(std::log(patch.normal_n / last_normal_n_)));
+    change_.learn(std::fabs(std::log(patch.normal_n / before_->contact.normal_n)));
   }
-  any_ = true;
-  last_ns_ = frame.time_ns;
-  last_in_contact_ = patch.in_contact;
-  last_normal_n_ = patch.normal_n;
-  last_center_x_m_ = patch.center_x_m;
-  last_center_y_m_ = patch.center_y_m;
-  last_radius_m_ = patch.radius_m;
-  last_peak_pa_ = patch.frame_peak_pa;
-  last_least_pa_ = patch.frame_least_pa;
-  last_clear_ = patch.in_contact && patch.normal_n > kStrongSigmas * patch.normal_sigma_n;
 }
 
 // A fault lasts until kSureFrames without one have passed.

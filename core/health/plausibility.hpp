@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/frame/frame.hpp"
@@ -94,11 +95,11 @@ class PlausibilityMonitor {
   void blame(Verdict verdict, Health health) noexcept;
   void judge_values(const ContactPatch& patch) noexcept;
   void judge_size(const ContactPatch& patch) noexcept;
-  void judge_time(const Frame& frame) noexcept;
+  void judge_time(std::int64_t time_ns) noexcept;
   void judge_offset(const ContactPatch& patch) noexcept;
   bool raised(const ContactPatch& patch) const noexcept;
-  void judge_course(const ContactPatch& patch) noexcept;
-  void judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept;
+  void judge_course(const SeenFrame& now) noexcept;
+  void judge_continuity(const SeenFrame& now) noexcept;
   bool judge_frozen() noexcept;
   void judge_past() noexcept;
   void blame_repeated(std::uint32_t run) noexcept;
@@ -107,7 +108,8 @@ class PlausibilityMonitor {
   void judge_rail(std::size_t channel, const Frame& frame, const ContactPatch& patch) noexcept;
   static std::size_t count_at(std::size_t channel, float magnitude_pa, const Frame& frame,
                               const ContactPatch& patch) noexcept;
-  void remember(const Frame& frame, const ContactPatch& patch) noexcept;
+  void learn_change(const ContactPatch& patch) noexcept;
+  bool touched_before() const noexcept { return before_ && before_->contact.in_contact; }
   void hold() noexcept;
 
   TaxelLayout layout_;
@@ -132,14 +134,9 @@ class PlausibilityMonitor {
   std::uint32_t since_repeat_ = kNever;  // frames
   std::uint32_t past_run_ = 0;           // frames in a row that were there before
   bool sensed_ = false;                  // a probe of this frame is not 0
-  std::int64_t last_ns_ = 0;
-  bool any_ = false;  // a frame was judged before
-  bool last_in_contact_ = false;
-  double last_normal_n_ = 0, last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
-  float last_peak_pa_ = 0, last_least_pa_ = 0;  // of the last frame
-  UsualValue change_;                           // of the normal force in a frame, share, in this contact
-  float lifted_pa_ = 0;       // half of what all taxels have risen to at once; 0: they have not
-  bool last_clear_ = false;   // its force was far above the noise
+  std::optional<SeenFrame> before_;      // none: this is the first
+  UsualValue change_;                    // of the normal force in a frame, share, in this contact
+  float lifted_pa_ = 0;                  // half of what all taxels have risen to at once; 0: they have not
   double fallen_from_n_ = 0;  // the normal force fell from this to nothing in one frame; 0: it did not
 };
 

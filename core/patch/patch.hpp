@@ -16,8 +16,9 @@
 
 namespace slipd {
 
-// All of it of one frame. Without contact (touched false) only the noise means anything.
-struct ContactPatch {
+// Where a contact is and what it carries, in numbers: what may be kept beyond its frame. Without contact only
+// the noise means anything.
+struct ContactNumbers {
   bool in_contact = false;
   bool cut = false;                     // the disc reaches beyond the outermost taxels: its sums lack a part
   double normal_n = 0;                  // P
@@ -36,14 +37,18 @@ struct ContactPatch {
   // Its standard deviation, N m, by noise of shear and of the centre's place. Of a contact that is cut it
   // covers what the part beyond the edge may have.
   double torque_sigma_nm = 0;
-  float peak_pa = 0;               // the greatest pressure in the disc
-  float frame_peak_pa = 0;         // the greatest pressure of the whole frame, at least 0
-  float frame_least_pa = 0;        // the least pressure of the whole frame
-  float shear_x_extreme_pa = 0;    // the greatest |shear| along x in the disc
-  float shear_y_extreme_pa = 0;    // the same along y
-  bool finite = true;              // false: values that are not numbers, or beyond all sense
-  std::size_t count = 0;           // of the disc's taxels
-  std::size_t interpolated = 0;    // of these, dead ones that neighbours stand for
+  float peak_pa = 0;             // the greatest pressure in the disc
+  float frame_peak_pa = 0;       // the greatest pressure of the whole frame, at least 0
+  float frame_least_pa = 0;      // the least pressure of the whole frame
+  float shear_x_extreme_pa = 0;  // the greatest |shear| along x in the disc
+  float shear_y_extreme_pa = 0;  // the same along y
+  bool finite = true;            // false: values that are not numbers, or beyond all sense
+  std::size_t count = 0;         // of the disc's taxels
+  std::size_t interpolated = 0;  // of these, dead ones that neighbours stand for
+};
+
+// All of one frame's contact.
+struct ContactPatch : ContactNumbers {
   std::span<const TaxelRun> runs;  // the disc's taxels, by their numbers; valid until the next frame
   TaxelView taxels;                // the frame's channels, mended
 

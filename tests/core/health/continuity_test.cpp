@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "tests/support/synthetic.hpp"
@@ -27,8 +28,11 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
   }
   Health judge(const Frame& frame) {
     probes_.update(frame);
-    return continuity_.update(frame.time_ns, finder_.find(frame), probes_.pattern(), probes_.size(),
-                              kContinuity);
+    const SeenFrame now{frame.time_ns, finder_.find(frame)};
+    const Health health =
+        continuity_->update(now, before_ ? &*before_ : nullptr, probes_.pattern(), probes_.size());
+    before_ = now;
+    return health;
   }
   void hold() {
     for (int i = 0; i < 50; ++i) ASSERT_EQ(sense(3, 0.6, 0, 0.3), Health::good) << i;
@@ -41,7 +45,8 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
   PatchFinder finder_{layout_};
   synthetic::FrameMaker maker_{layout_};
   contact::LoadHistory contact_{synthetic::paper_pair()};
-  Continuity continuity_;
+  std::optional<Continuity> continuity_{kContinuity};
+  std::optional<SeenFrame> before_;
 };
 
 TEST_P(ContactThatGoesOn, MayGrowByATenthOfItsForceEachFrame) {
@@ -103,7 +108,8 @@ TEST_P(ContactThatGoesOn, DoesNotTurnItsShearAtOnce) {
 
 TEST_P(ContactThatGoesOn, DoesNotCarryATwentiethOrFiftyTimesAsMuchOnTheSamePatch) {
   for (const float by : {0.02F, 50.0F}) {
-    continuity_ = {};
+    continuity_.emplace(kContinuity);
+    before_.reset();
     hold();
     const Frame frame = maker_.make(contact_, 0, 0, 0.3, kNoise, synthetic::Noise::sensor);
     const std::array channels{frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
