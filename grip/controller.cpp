@@ -17,25 +17,6 @@ using bridges::LogLevel;
 constexpr double kLongestWaitS = 0.02;
 constexpr double kAttachTimeoutS = 0.2;
 
-// What the sensors say of an object between the fingers.
-std::optional<bool> contact_of(const slipd_estimate& now) {
-  switch (now.state) {
-    case SLIPD_STATE_NO_CONTACT:
-      return false;
-    case SLIPD_STATE_OK:
-    case SLIPD_STATE_LEARNING:
-    case SLIPD_STATE_OUT_OF_MODEL:
-    case SLIPD_STATE_NO_SHEAR:
-      return true;
-    default:
-      return std::nullopt;
-  }
-}
-
-bool slides(const slipd_estimate& now) {
-  return now.sliding == SLIPD_SLIDING_TRANSLATION || now.sliding == SLIPD_SLIDING_ROTATION;
-}
-
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
@@ -68,7 +49,7 @@ void Controller::run() {
 
 void Controller::step() {
   const slipd_estimate now = wait_for_estimate();
-  const Reading reading = reading_of(now);
+  const Reading reading = reading_of(now, finger_slides());
   const State before = law_.state();
   const double force_before_n = law_.force_n();
   // A sample's own time, so that forces follow the samples' clock on a machine that is late as well.
@@ -116,29 +97,12 @@ slipd_estimate Controller::wait_for_estimate() {
 }
 
 // A grasp's estimate has the sums; which finger slides is the finger's.
-bool Controller::finger_slips() const {
+bool Controller::finger_slides() const {
   return std::ranges::any_of(settings_.fingers, [this](const std::string& finger) {
     slipd_estimate one{};
     slipd_latest(slipd_.get(), finger.c_str(), settings_.max_age_s, &one);
     return slides(one);
   });
-}
-
-Reading Controller::reading_of(const slipd_estimate& now) const {
-  Reading reading;
-  reading.known = std::isfinite(slipd_margin(&now)) && now.alert != SLIPD_ALERT_UNKNOWN;
-  reading.bounded = std::isfinite(now.gamma_low) && now.alert != SLIPD_ALERT_UNKNOWN &&
-                    (now.state == SLIPD_STATE_OK || now.state == SLIPD_STATE_LEARNING);
-  reading.contact = contact_of(now);
-  reading.slips = now.alert == SLIPD_ALERT_SLIP || slides(now) || finger_slips();
-  reading.gamma = now.gamma;
-  reading.gamma_low = now.gamma_low;
-  reading.sigma = now.sigma;
-  reading.normal_n = now.normal_n;
-  reading.shear_n = now.shear_n;
-  reading.increase_n = now.grip_increase_n;
-  reading.time_to_slip_s = now.time_to_slip_s;
-  return reading;
 }
 
 void Controller::tell(const slipd_estimate& now, State before, double force_before_n) {

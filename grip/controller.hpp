@@ -37,8 +37,7 @@ class Controller {
   void step();
   bool attach();
   slipd_estimate wait_for_estimate();
-  bool finger_slips() const;
-  Reading reading_of(const slipd_estimate& now) const;
+  bool finger_slides() const;
   void tell(const slipd_estimate& now, State before, double force_before_n);
   void tell_trouble(const std::string& trouble);
 

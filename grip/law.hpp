@@ -14,6 +14,7 @@
 
 #include "grip/grippers/order.hpp"
 #include "grip/load_trend.hpp"
+#include "grip/reading.hpp"
 #include "grip/transitions.hpp"
 
 namespace slipd::grip {
@@ -52,23 +53,6 @@ struct LawSettings {
   double close_timeout_s = 5;
   // Of the fingers that slipd's normal force is the sum of.
   int fingers = 2;
-};
-
-// What slipd says; unknown numbers are NaN.
-struct Reading {
-  // Whether gamma may be used: state ok, young enough, and watched.
-  bool known = false;
-  // Whether gamma_low may be: state ok or learning, young enough, and watched.
-  bool bounded = false;
-  // Whether the sensors tell of something between the fingers; nullopt: they do not tell.
-  std::optional<bool> contact;
-  // An alert of slip, or a slide.
-  bool slips = false;
-  double gamma = 0, gamma_low = 0, sigma = 0;
-  double normal_n = 0;        // of all fingers
-  double shear_n = 0;         // of all fingers
-  double increase_n = 0;      // advice, of all fingers
-  double time_to_slip_s = 0;  // forecast
 };
 
 enum class Wish : std::uint8_t { none, open, close };
