@@ -20,10 +20,14 @@ std::optional<bool> contact_of(const slipd_estimate& now) noexcept {
   }
 }
 
-// Whether the estimate is of a frame that is used.
-bool is_of_now(const slipd_estimate& now) noexcept {
-  return now.state != SLIPD_STATE_STALE && now.state != SLIPD_STATE_FAULT &&
-         now.state != SLIPD_STATE_DISCONNECTED;
+// Whether an alert of slip is of this frame. A raised one stands while slipd or a sensor is away, and, where
+// there is no margin, for a second in which the object is seen to stand: that would raise the force to its
+// limit.
+bool slips_by_alert(const slipd_estimate& now, bool known) noexcept {
+  const bool away = now.state == SLIPD_STATE_STALE || now.state == SLIPD_STATE_FAULT ||
+                    now.state == SLIPD_STATE_DISCONNECTED;
+  const bool stands = !known && now.sliding == SLIPD_SLIDING_NONE;
+  return now.alert == SLIPD_ALERT_SLIP && !away && !stands;
 }
 
 }  // namespace
@@ -34,11 +38,12 @@ bool slides(const slipd_estimate& now) noexcept {
 
 Reading reading_of(const slipd_estimate& now, bool finger_slides) noexcept {
   const bool watched = now.alert != SLIPD_ALERT_UNKNOWN;
-  return {.known = watched && std::isfinite(slipd_margin(&now)),
+  const bool known = watched && std::isfinite(slipd_margin(&now));
+  return {.known = known,
           .bounded = watched && std::isfinite(now.gamma_low) &&
                      (now.state == SLIPD_STATE_OK || now.state == SLIPD_STATE_LEARNING),
           .contact = contact_of(now),
-          .slips = (now.alert == SLIPD_ALERT_SLIP && is_of_now(now)) || slides(now) || finger_slides,
+          .slips = slips_by_alert(now, known) || slides(now) || finger_slides,
           .gamma = now.gamma,
           .gamma_low = now.gamma_low,
           .sigma = now.sigma,

@@ -15,8 +15,8 @@ struct Reading {
   bool bounded = false;
   // Whether the sensors tell of something between the fingers; nullopt: they do not tell.
   std::optional<bool> contact;
-  // An alert of slip, or a slide, of a frame that is used: what was told before slipd or a sensor went is
-  // old.
+  // A slide, or an alert of slip that is of this frame: not one from before slipd or the sensor went, nor,
+  // without a margin, one of a slide that has ended.
   bool slips = false;
   double gamma = 0, gamma_low = 0, sigma = 0;
   double normal_n = 0;        // of all fingers

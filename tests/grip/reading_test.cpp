@@ -40,23 +40,51 @@ TEST(ReadingOfAnEstimate, SlipsByAnAlertInEachStateWithAFrame) {
   EXPECT_TRUE(reading_of(told(SLIPD_STATE_OK, SLIPD_ALERT_NONE), true).slips);
 }
 
-// A raised alert stands for as long as nothing shows that it is over, and would raise the force to its limit.
-TEST(ReadingOfAnEstimate, DoesNotSlipOnByAnAlertFromBeforeSlipdOrTheSensorWent) {
-  for (const int state : {SLIPD_STATE_STALE, SLIPD_STATE_FAULT, SLIPD_STATE_DISCONNECTED}) {
-    const LawSettings settings;
-    Law law(settings);
-    std::int64_t now_ns = 0;
-    const auto step = [&](const slipd_estimate& estimate, Wish wish = Wish::none) {
-      law.step(reading_of(estimate, false), wish, true, now_ns += 5'000'000);
-    };
+// A gripper that closed on an object, which then slipped.
+struct Reacting {
+  LawSettings settings;
+  Law law{settings};
+  std::int64_t now_ns = 0;
+
+  Reacting() {
     step(told(SLIPD_STATE_NO_CONTACT, SLIPD_ALERT_NONE), Wish::close);
     step(told(SLIPD_STATE_OK, SLIPD_ALERT_NONE));
     step(told(SLIPD_STATE_OK, SLIPD_ALERT_SLIP));
-    ASSERT_EQ(law.state(), State::reacting);
-    for (int i = 0; i < 1000; ++i) step(told(state, SLIPD_ALERT_SLIP));
-    EXPECT_EQ(law.state(), State::firm) << state;
-    EXPECT_EQ(law.force_n(), settings.firm_n) << state;
+    EXPECT_EQ(law.state(), State::reacting);
   }
+  void step(const slipd_estimate& estimate, Wish wish = Wish::none) {
+    law.step(reading_of(estimate, false), wish, true, now_ns += 5'000'000);
+  }
+};
+
+// A raised alert stands for as long as nothing shows that it is over, and would raise the force to its limit.
+TEST(ReadingOfAnEstimate, DoesNotSlipOnByAnAlertFromBeforeSlipdOrTheSensorWent) {
+  for (const int state : {SLIPD_STATE_STALE, SLIPD_STATE_FAULT, SLIPD_STATE_DISCONNECTED}) {
+    Reacting held;
+    for (int i = 0; i < 1000; ++i) held.step(told(state, SLIPD_ALERT_SLIP));
+    EXPECT_EQ(held.law.state(), State::firm) << state;
+    EXPECT_EQ(held.law.force_n(), held.settings.firm_n) << state;
+  }
+}
+
+TEST(ReadingOfAnEstimate, DoesNotSlipOnByAnAlertWithoutAMarginWhileTheObjectIsSeenToStand) {
+  Reacting held;
+  slipd_estimate stands = told(SLIPD_STATE_LEARNING, SLIPD_ALERT_SLIP);
+  stands.sliding = SLIPD_SLIDING_NONE;
+  for (int i = 0; i < 1000; ++i) held.step(stands);
+  EXPECT_EQ(held.law.state(), State::firm);
+  EXPECT_EQ(held.law.force_n(), held.settings.firm_n);
+  stands.sliding = SLIPD_SLIDING_TRANSLATION;
+  held.step(stands);
+  EXPECT_EQ(held.law.state(), State::reacting);
+  EXPECT_GT(held.law.force_n(), held.settings.firm_n);
+}
+
+// With a margin it may be about to slip as a whole: nothing slides yet.
+TEST(ReadingOfAnEstimate, SlipsByAnAlertOfTheMarginWhateverSlides) {
+  slipd_estimate stands = told(SLIPD_STATE_OK, SLIPD_ALERT_SLIP);
+  stands.sliding = SLIPD_SLIDING_NONE;
+  EXPECT_TRUE(reading_of(stands, false).slips);
 }
 
 }  // namespace
