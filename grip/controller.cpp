@@ -1,7 +1,6 @@
 #include "grip/controller.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "bridges/support/clock.hpp"

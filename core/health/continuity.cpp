@@ -93,9 +93,9 @@ bool Continuity::scaled(const Step& step) noexcept {
   return false;
 }
 
-Health Continuity::update(const SeenFrame& now, const SeenFrame* before, const PatternChange& pattern,
-                          std::size_t probes) noexcept {
-  const bool follows = before != nullptr && !skipped_;
+Health Continuity::update(const SeenFrame& now, const std::optional<SeenFrame>& before,
+                          const PatternChange& pattern, std::size_t probes) noexcept {
+  const bool follows = before && !skipped_;
   skipped_ = false;
   const double step_s = before ? kSecondsPerNano * static_cast<double>(now.time_ns - before->time_ns) : 0;
   // What a contact did while frames were lost is no jump.

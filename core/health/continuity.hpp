@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "core/health/health.hpp"
 #include "core/health/probes.hpp"
@@ -47,10 +48,10 @@ class Continuity {
   // A frame that is not believed for another reason: the next one is not compared with it.
   void skip() noexcept { skipped_ = true; }
 
-  // Any other frame, with the one before; null: the first. A jump lasts until the object is let go: its force
-  // is not clear any more, or the kWrongScale-th part of what it was. pattern: how the pressure changed
+  // Any other frame, with the one before; none: it is the first. A jump lasts until the object is let go: its
+  // force is not clear any more, or the kWrongScale-th part of what it was. pattern: how the pressure changed
   // since, in so many probes. Returns good, jump or wrong_scale.
-  Health update(const SeenFrame& now, const SeenFrame* before, const PatternChange& pattern,
+  Health update(const SeenFrame& now, const std::optional<SeenFrame>& before, const PatternChange& pattern,
                 std::size_t probes) noexcept;
 
  private:

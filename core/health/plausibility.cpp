@@ -164,8 +164,7 @@ void PlausibilityMonitor::judge_course(const SeenFrame& now) noexcept {
 
 void PlausibilityMonitor::judge_continuity(const SeenFrame& now) noexcept {
   if (now_.verdict != Verdict::plausible || layout_.size() == 1) return continuity_.skip();
-  const Health health =
-      continuity_.update(now, before_ ? &*before_ : nullptr, probes_.pattern(), probes_.size());
+  const Health health = continuity_.update(now, before_, probes_.pattern(), probes_.size());
   if (health != Health::good) blame(Verdict::frame_refused, health);
 }
 

@@ -5,12 +5,10 @@
 
 #include <limits>
 
-#include "grip/law.hpp"
+#include "tests/grip/held.hpp"
 
 namespace slipd::grip {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 slipd_estimate told(int state, int alert) {
   slipd_estimate now{};
@@ -18,8 +16,8 @@ slipd_estimate told(int state, int alert) {
   now.alert = alert;
   now.sliding = SLIPD_SLIDING_UNKNOWN;
   now.valid_until_ns = std::numeric_limits<std::int64_t>::max();
-  now.gamma = state == SLIPD_STATE_OK ? 0.6 : kUnknown;
-  now.gamma_low = now.sigma = now.grip_increase_n = now.time_to_slip_s = kUnknown;
+  now.gamma = state == SLIPD_STATE_OK ? 0.6 : kNone;
+  now.gamma_low = now.sigma = now.grip_increase_n = now.time_to_slip_s = kNone;
   return now;
 }
 
@@ -41,41 +39,34 @@ TEST(ReadingOfAnEstimate, SlipsByAnAlertInEachStateWithAFrame) {
 }
 
 // A gripper that closed on an object, which then slipped.
-struct Reacting {
-  LawSettings settings;
-  Law law{settings};
-  std::int64_t now_ns = 0;
-
-  Reacting() {
-    step(told(SLIPD_STATE_NO_CONTACT, SLIPD_ALERT_NONE), Wish::close);
-    step(told(SLIPD_STATE_OK, SLIPD_ALERT_NONE));
-    step(told(SLIPD_STATE_OK, SLIPD_ALERT_SLIP));
-    EXPECT_EQ(law.state(), State::reacting);
-  }
-  void step(const slipd_estimate& estimate, Wish wish = Wish::none) {
-    law.step(reading_of(estimate, false), wish, true, now_ns += 5'000'000);
-  }
-};
+Held reacting() {
+  Held held;
+  held.step(reading_of(told(SLIPD_STATE_NO_CONTACT, SLIPD_ALERT_NONE), false), Wish::close);
+  held.step(reading_of(told(SLIPD_STATE_OK, SLIPD_ALERT_NONE), false));
+  held.step(reading_of(told(SLIPD_STATE_OK, SLIPD_ALERT_SLIP), false));
+  EXPECT_EQ(held.law.state(), State::reacting);
+  return held;
+}
 
 // A raised alert stands for as long as nothing shows that it is over, and would raise the force to its limit.
 TEST(ReadingOfAnEstimate, DoesNotSlipOnByAnAlertFromBeforeSlipdOrTheSensorWent) {
   for (const int state : {SLIPD_STATE_STALE, SLIPD_STATE_FAULT, SLIPD_STATE_DISCONNECTED}) {
-    Reacting held;
-    for (int i = 0; i < 1000; ++i) held.step(told(state, SLIPD_ALERT_SLIP));
+    Held held = reacting();
+    held.steps(reading_of(told(state, SLIPD_ALERT_SLIP), false), 5);
     EXPECT_EQ(held.law.state(), State::firm) << state;
     EXPECT_EQ(held.law.force_n(), held.settings.firm_n) << state;
   }
 }
 
 TEST(ReadingOfAnEstimate, DoesNotSlipOnByAnAlertWithoutAMarginWhileTheObjectIsSeenToStand) {
-  Reacting held;
+  Held held = reacting();
   slipd_estimate stands = told(SLIPD_STATE_LEARNING, SLIPD_ALERT_SLIP);
   stands.sliding = SLIPD_SLIDING_NONE;
-  for (int i = 0; i < 1000; ++i) held.step(stands);
+  held.steps(reading_of(stands, false), 5);
   EXPECT_EQ(held.law.state(), State::firm);
   EXPECT_EQ(held.law.force_n(), held.settings.firm_n);
   stands.sliding = SLIPD_SLIDING_TRANSLATION;
-  held.step(stands);
+  held.step(reading_of(stands, false));
   EXPECT_EQ(held.law.state(), State::reacting);
   EXPECT_GT(held.law.force_n(), held.settings.firm_n);
 }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/contact/shear_moments.hpp"
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
@@ -19,7 +20,8 @@ namespace {
 using Sheet = contact::SubsurfaceSheet;
 
 using contact::kDiscRadii;
-// Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn
+
+// Fitted with the domes: the pressure's place, size and height, which a load that is not monotonic has drawn
 // aside.
 enum PressureColumn : std::size_t { by_x = kDiscRadii.size(), by_y, by_size, by_peak };
 constexpr std::size_t kColumns = by_peak + 1;

@@ -47,7 +47,6 @@ class MarginTrials {
 
   // step: below kSteps.
   MarginTrial& operator[](std::size_t step) noexcept { return trials_[step]; }
-  const MarginTrial& operator[](std::size_t step) const noexcept { return trials_[step]; }
   auto begin() noexcept { return trials_.begin(); }
   auto end() noexcept { return trials_.end(); }
 

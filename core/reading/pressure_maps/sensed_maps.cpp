@@ -32,7 +32,7 @@ SensedMaps::SensedMaps(const TaxelLayout& layout, const Skin& skin, std::size_t 
       trials_(trials) {}
 
 std::size_t SensedMaps::memory_bytes() const noexcept {
-  return sizeof(*this) + ratio_.memory_bytes() +
+  return ratio_.memory_bytes() + sizeof(Slipping) * trials_.size() +
          sizeof(float) *
              (sensed_.size() + read_pa_.size() + pressure_pa_.size() + ways_.size() + scratch_.size());
 }

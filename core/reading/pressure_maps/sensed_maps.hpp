@@ -84,6 +84,7 @@ class SensedMaps {
   // Of what is known of the log of the depth, standard deviation.
   double depth_sigma() const noexcept { return depth_.now().sigma; }
 
+  // Beside the object itself.
   std::size_t memory_bytes() const noexcept;
 
  private:

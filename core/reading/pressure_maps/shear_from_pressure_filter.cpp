@@ -142,8 +142,7 @@ void ShearFromPressureFilter::set_depth(double log) noexcept {
 }
 
 std::size_t ShearFromPressureFilter::memory_bytes() const noexcept {
-  return sizeof(*this) +
-         sizeof(float) * (std::size_t{5} * 4 * now_.xx.size() + 4 * spectrum_.re.size() +
+  return sizeof(float) * (std::size_t{5} * 4 * now_.xx.size() + 4 * spectrum_.re.size() +
                           2 * lines_.re.size() + 2 * along_x_.cosine.size() + 2 * along_y_.cosine.size());
 }
 

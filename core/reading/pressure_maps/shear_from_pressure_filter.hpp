@@ -44,6 +44,7 @@ class ShearFromPressureFilter {
   double noise_gain() const noexcept { return noise_gain_; }
   // The same of the pressure that is sensed from a pull.
   double pressing_gain() const noexcept { return pressing_gain_; }
+  // Beside the object itself.
   std::size_t memory_bytes() const noexcept;
 
  private:

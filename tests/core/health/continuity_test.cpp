@@ -29,8 +29,7 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
   Health judge(const Frame& frame) {
     probes_.update(frame);
     const SeenFrame now{frame.time_ns, finder_.find(frame)};
-    const Health health =
-        continuity_->update(now, before_ ? &*before_ : nullptr, probes_.pattern(), probes_.size());
+    const Health health = continuity_->update(now, before_, probes_.pattern(), probes_.size());
     before_ = now;
     return health;
   }
