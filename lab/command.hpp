@@ -13,6 +13,7 @@ void add_histories(CLI::App& app, const offline::Common& common);
 void add_coverage(CLI::App& app, const offline::Common& common);
 void add_paper(CLI::App& app, const offline::Common& common);
 void add_faults(CLI::App& app, const offline::Common& common);
+void add_gels(CLI::App& app, const offline::Common& common);
 void add_alerts(CLI::App& app, const offline::Common& common);
 void add_overload(CLI::App& app, const offline::Common& common);
 void add_method_table(CLI::App& app, const offline::Common& common);

@@ -9,6 +9,7 @@ void add_commands(CLI::App& app, const offline::Common& common) {
   lab::add_torque(app, common);
   lab::add_histories(app, common);
   lab::add_faults(app, common);
+  lab::add_gels(app, common);
   lab::add_coverage(app, common);
   lab::add_overload(app, common);
   lab::add_alerts(app, common);

@@ -10,7 +10,8 @@ namespace slipd {
 namespace {
 
 constexpr double kNsPerSecond = 1e9;
-constexpr double kLeastSeen = 0.5;  // share of the points below which a picture shows nothing
+constexpr std::size_t kLeastPictures = 2;  // one alone may be wild
+constexpr double kLeastSeen = 0.5;         // share of the points below which a picture shows nothing
 
 double length_mm(std::span<const float> bends, std::span<const float> from) noexcept {
   double sum = 0;
@@ -34,8 +35,7 @@ GelRelaxation::GelRelaxation(const TaxelLayout& layout, const GelRelaxationOptio
       bends_(layout),
       history_(kept_ * bends_.size()),
       fields_(kept_ * 2 * layout.size()),
-      now_(bends_.size()),
-      past_(bends_.size()),
+      mean_(bends_.size()),
       rest_(bends_.size()),
       unbent_(bends_.size()),
       change_(2 * layout.size()) {}
@@ -89,55 +89,67 @@ bool GelRelaxation::is_stale_jump(std::int64_t time_ns, double step_mm) const no
          last_step_mm_ < options_.moved_mm;
 }
 
-// Mean bends now and in the past, and the rest: where the gel was least bent for as long as now_ is.
-void GelRelaxation::average() noexcept {
-  const std::size_t now = options_.pictures, past = count_ - now;
-  std::ranges::fill(now_, 0.0F);
-  std::ranges::fill(past_, 0.0F);
-  for (std::size_t ago = 0; ago < count_; ++ago) {
+// Into mean_: the bends of so many pictures, the newest of which is so many ago.
+void GelRelaxation::average(std::size_t newest, std::size_t pictures) noexcept {
+  const float share = 1 / static_cast<float>(pictures);
+  std::ranges::fill(mean_, 0.0F);
+  for (std::size_t ago = newest; ago < newest + pictures; ++ago) {
     const std::span<const float> bends = row(std::span(history_), ago);
-    std::vector<float>& mean = ago < now ? now_ : past_;
-    const float share = 1 / static_cast<float>(ago < now ? now : past);
-    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * bends[i];
+    for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += share * bends[i];
   }
-  const double bend_mm = length_mm(now_, unbent_);
+}
+
+// The gel rests where it was least bent.
+void GelRelaxation::find_rest() noexcept {
+  average(0, options_.pictures);
+  const double bend_mm = length_mm(mean_, unbent_);
   if (begun_ && bend_mm >= rest_bend_mm_) return;
   begun_ = true;
   rest_bend_mm_ = bend_mm;
-  std::ranges::copy(now_, rest_.begin());
+  std::ranges::copy(mean_, rest_.begin());
 }
 
-// The largest bend of the pictures that are now.
-double GelRelaxation::most_now_mm(std::span<const float> from) const noexcept {
-  double most = 0;
-  for (std::size_t ago = 0; ago < options_.pictures; ++ago)
-    most = std::max(most, length_mm(row(std::span(history_), ago), from));
-  return most;
-}
-
-double GelRelaxation::weigh() const noexcept {
-  const double bend = fall(length_mm(past_, unbent_), most_now_mm(unbent_), options_.noise_mm);
-  const double to_rest = fall(length_mm(past_, rest_), most_now_mm(rest_), options_.noise_mm);
-  return std::max(0.0, bend + options_.rest_weight * to_rest);
+// Each picture has its part of the evidence, by which the gel is relaxed in all pictures since: a gel that
+// comes to rest shows it in two of them, and a slight fall in all.
+GelRelaxation::Evidence GelRelaxation::weigh() noexcept {
+  const std::size_t most = options_.pictures;
+  double bend_mm = 0, from_rest_mm = 0;  // the largest since
+  Evidence all;
+  for (std::size_t now = 1; now <= most; ++now) {
+    const std::span<const float> bends = row(std::span(history_), now - 1);
+    bend_mm = std::max(bend_mm, length_mm(bends, unbent_));
+    from_rest_mm = std::max(from_rest_mm, length_mm(bends, rest_));
+    if (now < kLeastPictures) continue;
+    const std::size_t past = std::min(count_ - now, most);
+    average(now, past);
+    const bool held = bends_in_contact(past);
+    const double nats = fall(length_mm(mean_, unbent_), bend_mm, options_.noise_mm) +
+                        options_.rest_weight * fall(length_mm(mean_, rest_), from_rest_mm, options_.noise_mm);
+    const double part = static_cast<double>(now) / static_cast<double>(most) * nats;
+    all.nats = std::max(all.nats, part);
+    all.held = all.held || held;
+    all.slides = all.slides || (held && part >= options_.slides_from);
+  }
+  return all;
 }
 
 bool GelRelaxation::touches() const noexcept {
   return length_mm(row(std::span(history_), 0), rest_) >= options_.moved_mm;
 }
 
-// past_ and rest_ are means: their difference has this part of one picture's noise.
-bool GelRelaxation::was_held() const noexcept {
-  const auto now = static_cast<double>(options_.pictures), past = static_cast<double>(count_) - now;
-  return length_mm(past_, rest_) >= options_.moved_mm * std::sqrt(1 / now + 1 / past);
+// mean_, of so many pictures, and rest_ are means: their difference has this part of one picture's noise.
+bool GelRelaxation::bends_in_contact(std::size_t pictures) const noexcept {
+  const auto of_rest = static_cast<double>(options_.pictures), of_mean = static_cast<double>(pictures);
+  return length_mm(mean_, rest_) >= options_.moved_mm * std::sqrt(1 / of_rest + 1 / of_mean);
 }
 
 void GelRelaxation::judge() noexcept {
-  average();
-  const bool held = was_held();
-  rest_seen_ = rest_seen_ || held || touches();
+  find_rest();
+  const Evidence evidence = weigh();
+  state_.evidence = evidence.nats;
+  rest_seen_ = rest_seen_ || evidence.held || touches();
   if (rest_seen_) state_.contact = touches();
-  state_.evidence = weigh();
-  if (held && state_.evidence >= options_.slides_from) {
+  if (evidence.slides) {
     state_.sliding = motion_since(count_ - 1).turns() ? Sliding::rotation : Sliding::translation;
   } else {
     const double most_mm = std::max({step_.along_mm(), step_.turning_mm, step_.stretch_mm});

@@ -23,9 +23,9 @@ struct GelRelaxationOptions {
   // fast cameras. Too large: slips are reported late. Chosen so
   // that each picture of a camera of 30 Hz counts.
   double least_step_s = 0.03;
-  // Pictures for which the gel has to have relaxed, and pictures before those, which it is compared with; 4
-  // … 25. Too small: shaking is a slip. Too large: told late, and settling of a new grip is a slip. By the
-  // shared trials.
+  // Pictures for which a gel has to have relaxed that relaxes by slides_from, and fewer if by more; pictures
+  // before those, which it is compared with; 4 … 25. Too small: shaking is a slip. Too large: told late, and
+  // settling of a new grip is a slip. By the shared trials.
   std::size_t pictures = 12;
   // Of the past, at least so many, nearly half: slips soon after the start are not missed.
   std::size_t least_past() const noexcept { return (pictures - 1) / 2; }
@@ -75,17 +75,23 @@ class GelRelaxation {
   const GelState& update(const Frame& frame) noexcept;
 
  private:
+  struct Evidence {
+    double nats = 0;      // the most that speaks for a slide
+    bool held = false;    // the gel was bent in contact, in some past
+    bool slides = false;  // it was, and enough speaks for a slide since
+  };
+
   template <typename Value>
   std::span<Value> row(std::span<Value> ring, std::size_t ago) const noexcept;
   RigidMotion motion_since(std::size_t ago) const noexcept;
   void take(const Frame& frame) noexcept;
   void measure(const Frame& frame) noexcept;
   bool is_stale_jump(std::int64_t time_ns, double step_mm) const noexcept;
-  void average() noexcept;
-  double most_now_mm(std::span<const float> from) const noexcept;
-  double weigh() const noexcept;
+  void average(std::size_t newest, std::size_t pictures) noexcept;
+  void find_rest() noexcept;
+  Evidence weigh() noexcept;
   bool touches() const noexcept;
-  bool was_held() const noexcept;
+  bool bends_in_contact(std::size_t pictures) const noexcept;
   void judge() noexcept;
 
   const TaxelLayout layout_;
@@ -95,7 +101,7 @@ class GelRelaxation {
   // Of the kept pictures, in a ring: bends; displacement along x and then y.
   std::vector<float> history_, fields_;
   std::size_t newest_ = 0, count_ = 0;
-  std::vector<float> now_, past_;      // mean bends
+  std::vector<float> mean_;            // bends, of some of them
   std::vector<float> rest_, unbent_;   // bends of the gel at its least bent; none
   double rest_bend_mm_ = 0;            // of rest_
   bool begun_ = false;                 // rest_ is known

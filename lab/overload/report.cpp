@@ -15,7 +15,7 @@ bool same_estimator(const OverloadLine& a, const OverloadLine& b) {
   return a.columns == b.columns && a.method == b.method;
 }
 
-ordered_json as_json(const Tally& tally) {
+ordered_json statistics_of(const Tally& tally) {
   return to_json(tally,
                  {"frames", "answered", "mean_error", "worst_error", "claims_safer", "claims_less_safe",
                   "within_sigma", "within_two_sigma", "within_three_sigma", "states"});
@@ -94,8 +94,8 @@ offline::SweepResult to_sweep(const std::vector<OverloadLine>& lines, const Over
                     {"method", line.method},
                     {"frames_come", name_of(line.skipped.skipping)},
                     {"k", line.skipped.k},
-                    {"estimates", as_json(line.estimates)},
-                    {"board", as_json(line.board)}});
+                    {"estimates", statistics_of(line.estimates)},
+                    {"board", statistics_of(line.board)}});
   }
   return result_of({{"grasps", setup.grasps},
                     {"noise", setup.sensing.noise},

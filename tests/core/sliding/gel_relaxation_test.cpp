@@ -128,6 +128,23 @@ TEST(GelRelaxation, AGelThatRelaxesIsASlide) {
   EXPECT_EQ(gel.state().contact, false);
 }
 
+TEST(GelRelaxation, AGelThatComesToRestIsToldWithinTwoPicturesAndOneWildPictureIsNone) {
+  Gel gel;
+  gel.slides_in(40, unmoved);
+  gel.slides_in(60, bulge(0.5));
+  EXPECT_FALSE(gel.slides_in(1, unmoved));
+  EXPECT_FALSE(gel.slides_in(60, bulge(0.5)));
+  EXPECT_TRUE(gel.slides_in(2, unmoved));
+}
+
+TEST(GelRelaxation, ASlightFallIsToldOnlyOnceItHasLasted) {
+  Gel gel;
+  gel.slides_in(40, unmoved);
+  gel.slides_in(60, bulge(0.5));
+  EXPECT_FALSE(gel.slides_in(6, bulge(0.32)));
+  EXPECT_TRUE(gel.slides_in(6, bulge(0.32)));
+}
+
 TEST(GelRelaxation, AlsoIfTheFirstPictureShowsTheContact) {
   Gel gel;
   EXPECT_FALSE(gel.slides_in(60, bulge(0.3)));
