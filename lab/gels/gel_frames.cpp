@@ -1,7 +1,6 @@
 #include "lab/gels/gel_frames.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,8 +10,6 @@ using namespace slipd;
 
 namespace {
 
-constexpr std::array<const char*, kGelCourses> kNames{"held",     "shaken", "loaded", "eased",
-                                                      "set down", "drags",  "rolls",  "falls"};
 constexpr double kNsPerSecond = 1e9;
 constexpr double kRest_s = 1, kHeld_s = 60;
 
@@ -80,6 +77,8 @@ void change_loads(Script& script, Draws& draws, double normal_n) {
 }  // namespace
 
 const char* name_of(GelCourse course) noexcept {
+  static constexpr const char* kNames[] = {"held",     "shaken", "loaded", "eased",
+                                           "set down", "drags",  "rolls",  "falls"};
   return kNames[static_cast<std::size_t>(course)];
 }
 
