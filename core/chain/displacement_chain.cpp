@@ -3,7 +3,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kMetresPerMm = 1e-3, kSecondsPerNs = 1e-9;
+constexpr double kMetresPerMm = 1e-3;
 
 // A slide that ended with the contact is still told.
 State state_of(const GelState& gel) noexcept {
@@ -14,17 +14,6 @@ State state_of(const GelState& gel) noexcept {
 }
 
 }  // namespace
-
-void DisplacementChain::set_releasing(bool releasing) noexcept {
-  releasing_ = releasing;
-  gel_.set_releasing(releasing);
-}
-
-void DisplacementChain::follow_sliding(Estimate& out) noexcept {
-  if (out.sliding != last_sliding_) sliding_since_ns_ = out.time_ns;
-  last_sliding_ = out.sliding;
-  if (out.sliding) out.sliding_for_s = static_cast<double>(out.time_ns - sliding_since_ns_) * kSecondsPerNs;
-}
 
 Estimate DisplacementChain::estimate(const Frame& frame) noexcept {
   const GelState& gel = gel_.update(frame);
@@ -38,9 +27,9 @@ Estimate DisplacementChain::estimate(const Frame& frame) noexcept {
   out.contact = gel.contact;
   out.slide_evidence = gel.evidence;
   out.sliding = gel.sliding;
-  follow_sliding(out);
+  out.sliding_for_s = sliding_time_.update(out.sliding, out.time_ns);
   alert_.judge(out);
-  if (releasing_) {
+  if (gel_.releasing()) {
     out.alert = Alert::unknown;  // nobody watches
     out.alert_cause = AlertCause::none;
   }

@@ -6,6 +6,7 @@
 #include "core/chain/frame_chain.hpp"
 #include "core/chain/setup/setup.hpp"
 #include "core/sliding/gel_relaxation.hpp"
+#include "core/sliding/sliding_time.hpp"
 
 namespace slipd {
 
@@ -17,18 +18,14 @@ class DisplacementChain final : public FrameChain {
   Method method() const noexcept override { return Method::displacement; }
   const WorkPrecision& tradeoff() const noexcept override { return none_; }
   std::vector<std::string_view> stages() const override { return {"gel_relaxation"}; }
-  void set_releasing(bool releasing) noexcept override;
+  void set_releasing(bool releasing) noexcept override { gel_.set_releasing(releasing); }
   Estimate estimate(const Frame& frame) noexcept override;
 
  private:
-  void follow_sliding(Estimate& out) noexcept;
-
   const WorkPrecision none_;
   GelRelaxation gel_;
   AlertLogic alert_;
-  bool releasing_ = false;
-  std::optional<Sliding> last_sliding_;
-  std::int64_t sliding_since_ns_ = 0;
+  SlidingTime sliding_time_;
 };
 
 }  // namespace slipd

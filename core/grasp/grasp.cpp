@@ -202,9 +202,7 @@ std::optional<Sliding> GraspTracker::sliding_of(std::span<const Estimate> member
 Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   Estimate now = grasp_estimate(members, target_margin_, poses_);
   now.sliding = sliding_of(members);
-  if (now.sliding != last_sliding_) sliding_since_ns_ = now.published_ns;
-  last_sliding_ = now.sliding;
-  if (now.sliding) now.sliding_for_s = static_cast<double>(now.published_ns - sliding_since_ns_) * 1e-9;
+  now.sliding_for_s = sliding_time_.update(now.sliding, now.published_ns);
   // What nobody watches its fingers say.
   now.alert = alert_.update(now.published_ns, now, true);
   for (const Estimate& member : members) {

@@ -12,6 +12,7 @@
 #include "core/estimate/estimate.hpp"
 #include "core/estimate/settings.hpp"
 #include "core/grasp/grasp_load.hpp"
+#include "core/sliding/sliding_time.hpp"
 
 namespace slipd {
 
@@ -50,8 +51,7 @@ class GraspTracker {
   AlertLogic alert_;
   SlipForecast forecast_;
   bool joint_slide_ = false;  // all fingers together show a slide
-  std::optional<Sliding> last_sliding_;
-  std::int64_t sliding_since_ns_ = 0;
+  SlidingTime sliding_time_;
 };
 
 }  // namespace slipd

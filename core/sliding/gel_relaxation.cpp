@@ -103,8 +103,7 @@ void GelRelaxation::average(std::size_t newest, std::size_t pictures) noexcept {
 void GelRelaxation::find_rest() noexcept {
   average(0, options_.pictures);
   const double bend_mm = length_mm(mean_, unbent_);
-  if (begun_ && bend_mm >= rest_bend_mm_) return;
-  begun_ = true;
+  if (bend_mm >= rest_bend_mm_) return;
   rest_bend_mm_ = bend_mm;
   std::ranges::copy(mean_, rest_.begin());
 }

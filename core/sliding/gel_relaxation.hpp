@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -71,6 +72,7 @@ class GelRelaxation {
 
   // The robot lets go of the object: what relaxes then is no slip, and is no past either.
   void set_releasing(bool releasing) noexcept;
+  bool releasing() const noexcept { return releasing_; }
   // One frame of SensorClass::displacement, in order of time.
   const GelState& update(const Frame& frame) noexcept;
 
@@ -101,12 +103,11 @@ class GelRelaxation {
   // Of the kept pictures, in a ring: bends; displacement along x and then y.
   std::vector<float> history_, fields_;
   std::size_t newest_ = 0, count_ = 0;
-  std::vector<float> mean_;            // bends, of some of them
-  std::vector<float> rest_, unbent_;   // bends of the gel at its least bent; none
-  double rest_bend_mm_ = 0;            // of rest_
-  bool begun_ = false;                 // rest_ is known
-  bool rest_seen_ = false;             // the gel was seen to bend against it
-  mutable std::vector<float> change_;  // of the field, along x and then y
+  std::vector<float> mean_;                                        // bends, of some of them
+  std::vector<float> rest_, unbent_;                               // bends of the gel at its least bent; none
+  double rest_bend_mm_ = std::numeric_limits<double>::infinity();  // of rest_
+  bool rest_seen_ = false;                                         // the gel was seen to bend against it
+  mutable std::vector<float> change_;                              // of the field, along x and then y
   std::int64_t first_ns_ = -1, last_ns_ = 0;
   double last_step_mm_ = 0;
   RigidMotion step_;
