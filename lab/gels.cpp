@@ -1,4 +1,4 @@
-// `slipd-lab gels`: slides on gels in front of a camera, when they are told, and false alerts beside.
+// `slipd-lab gels`: how soon slipd tells that an object slides on a camera's gel, and its false alerts.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -24,7 +24,8 @@ void run(const offline::Common& common, GelSetup setup) {
 }  // namespace
 
 void add_gels(CLI::App& app, const offline::Common& common) {
-  auto* command = app.add_subcommand("gels", "measure when slides on gels in front of a camera are told");
+  auto* command =
+      app.add_subcommand("gels", "measure how soon slides on a camera's gel are told, and false alerts");
   auto setup = std::make_shared<GelSetup>();
   add_grasps_option(*command, setup->grasps);
   command->add_option("--rate-hz", setup->rate_hz, "pictures a second")

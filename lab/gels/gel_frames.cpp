@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "lab/frames/draws.hpp"
+
 namespace lab {
 
 using namespace slipd;
@@ -12,17 +14,6 @@ namespace {
 
 constexpr double kNsPerSecond = 1e9;
 constexpr double kRest_s = 1, kHeld_s = 60;
-
-// Draws one number after the other.
-class Draws {
- public:
-  explicit Draws(const RandomStream& random) : random_(random) {}
-  double within(double low, double high) { return random_.uniform(next_++, low, high); }
-
- private:
-  const RandomStream random_;
-  std::uint64_t next_ = 0;
-};
 
 // Loads one after the other.
 class Script {
@@ -40,28 +31,29 @@ class Script {
 
 // Slip begins, with nothing left of the margin.
 void slide(GelGrasp& grasp, Script& script, Draws& draws, double normal_n) {
-  script.to(draws.within(0.1, 1), normal_n, 1);
+  script.to(draws.uniform(0.1, 1), normal_n, 1);
   grasp.slides_s = script.now_s();
-  grasp.kinetic = draws.within(0.6, 1);
+  grasp.kinetic = draws.uniform(0.6, 1);
 }
 
 void slide_and_stop(GelGrasp& grasp, Script& script, Draws& draws, double normal_n) {
   slide(grasp, script, draws, normal_n);
-  grasp.speed_m_per_s = draws.within(0.005, 0.05);
-  script.hold(std::min(draws.within(0.2, 1), 0.01 / grasp.speed_m_per_s));
+  const double speed_m_per_s = draws.uniform(0.005, 0.05);
+  if (grasp.course == GelCourse::rolls) grasp.contact_m_per_s = speed_m_per_s;
+  script.hold(std::min(draws.uniform(0.2, 1), 0.01 / speed_m_per_s));
   grasp.stops_s = script.now_s();
-  script.to(draws.within(0.1, 0.3), normal_n, draws.within(0.4, 0.7));
+  script.to(draws.uniform(0.1, 0.3), normal_n, draws.uniform(0.4, 0.7));
   script.hold(3);
 }
 
 // When its end has come to the contact, the contact is left over its width.
 void slide_away(GelGrasp& grasp, Script& script, Draws& draws, double normal_n) {
   slide(grasp, script, draws, normal_n);
-  grasp.acceleration_m_per_s2 = draws.within(0.5, 8);
-  const double width_m = 2 * grasp.pair.contact_radius_m(normal_n), way_m = draws.within(0.002, 0.02);
-  const double end_s = std::sqrt(2 * way_m / grasp.acceleration_m_per_s2);
+  const double faster_m_per_s2 = draws.uniform(0.5, 8);
+  const double width_m = 2 * grasp.pair.contact_radius_m(normal_n), way_m = draws.uniform(0.002, 0.02);
+  const double end_s = std::sqrt(2 * way_m / faster_m_per_s2);
   script.hold(end_s);
-  script.to(std::sqrt(2 * (way_m + width_m) / grasp.acceleration_m_per_s2) - end_s, 0, 1);
+  script.to(std::sqrt(2 * (way_m + width_m) / faster_m_per_s2) - end_s, 0, 1);
   grasp.lost_s = script.now_s();
   script.to(2, 0, 1);
 }
@@ -69,8 +61,8 @@ void slide_away(GelGrasp& grasp, Script& script, Draws& draws, double normal_n) 
 void change_loads(Script& script, Draws& draws, double normal_n) {
   const double until_s = script.now_s() + kHeld_s;
   while (script.now_s() < until_s) {
-    script.to(draws.within(0.1, 0.5), normal_n, draws.within(0.2, 0.8));
-    script.hold(draws.within(1, 4));
+    script.to(draws.uniform(0.1, 0.5), normal_n, draws.uniform(0.2, 0.8));
+    script.hold(draws.uniform(1, 4));
   }
 }
 
@@ -87,44 +79,43 @@ GelGrasp draw_gel_grasp(GelCourse course, const RandomStream& random) {
   Draws draws(random);
   GelGrasp grasp;
   grasp.course = course;
-  grasp.contact_travels = course == GelCourse::rolls;
   grasp.pair = contact::make_body_pair(
       {std::numeric_limits<double>::infinity(), GelFrames::kModulus_pa, GelFrames::kPoisson},
-      {draws.within(0.008, 0.02), kHard_pa, 0.3});
-  grasp.friction = draws.within(0.3, 1);
-  grasp.toward_rad = draws.within(0, 2 * std::numbers::pi);
-  grasp.x_m = draws.within(-kOff_m, kOff_m);
-  grasp.y_m = draws.within(-kOff_m, kOff_m);
-  const double normal_n = draws.within(1, 5), lifted = draws.within(0.3, 0.7);
-  grasp.tremor_hz = draws.within(0.5, 8);
+      {draws.uniform(0.008, 0.02), kHard_pa, 0.3});
+  grasp.friction = draws.uniform(0.3, 1);
+  grasp.toward_rad = draws.uniform(0, 2 * std::numbers::pi);
+  grasp.x_m = draws.uniform(-kOff_m, kOff_m);
+  grasp.y_m = draws.uniform(-kOff_m, kOff_m);
+  const double normal_n = draws.uniform(1, 5), lifted = draws.uniform(0.3, 0.7);
+  grasp.tremor_hz = draws.uniform(0.5, 8);
   Script script(grasp);
   script.to(0, 0, 0);
   script.hold(kRest_s);
-  script.to(draws.within(0.1, 0.5), normal_n, 0);
-  script.hold(draws.within(0.2, 1));
-  script.to(draws.within(0.1, 0.5), normal_n, lifted);
-  script.hold(draws.within(1, 3));
+  script.to(draws.uniform(0.1, 0.5), normal_n, 0);
+  script.hold(draws.uniform(0.2, 1));
+  script.to(draws.uniform(0.1, 0.5), normal_n, lifted);
+  script.hold(draws.uniform(1, 3));
   switch (course) {
     case GelCourse::held:
-      grasp.tremor = draws.within(0, 0.15);
+      grasp.tremor = draws.uniform(0, 0.15);
       script.hold(kHeld_s);
       break;
     case GelCourse::shaken:
       script.to(0.5, normal_n, 0.5);
-      grasp.tremor = draws.within(0.15, 0.45);
+      grasp.tremor = draws.uniform(0.15, 0.45);
       script.hold(kHeld_s);
       break;
     case GelCourse::loaded:
       change_loads(script, draws, normal_n);
       break;
     case GelCourse::eased: {
-      const double eased = draws.within(0.6, 0.9);
-      script.to(draws.within(0.2, 1), eased * normal_n, std::min(0.9, lifted / eased));
+      const double eased = draws.uniform(0.6, 0.9);
+      script.to(draws.uniform(0.2, 1), eased * normal_n, std::min(0.9, lifted / eased));
       script.hold(3);
       break;
     }
     case GelCourse::set_down:
-      script.to(draws.within(0.2, 1), normal_n, 0);
+      script.to(draws.uniform(0.2, 1), normal_n, 0);
       script.hold(3);
       break;
     case GelCourse::drags:
@@ -164,9 +155,7 @@ GelGrasp::Load GelFrames::load_at(double time_s) const noexcept {
 }
 
 double GelFrames::travelled_m(double time_s) const noexcept {
-  const double seconds = std::min(time_s, grasp_.stops_s) - grasp_.slides_s;
-  if (!(seconds > 0)) return 0;
-  return seconds * (grasp_.speed_m_per_s + 0.5 * grasp_.acceleration_m_per_s2 * seconds);
+  return grasp_.contact_m_per_s * std::max(0.0, std::min(time_s, grasp_.stops_s) - grasp_.slides_s);
 }
 
 bool GelFrames::next() {
@@ -191,7 +180,7 @@ bool GelFrames::next() {
 GelFrames::Moved GelFrames::moved(double x_m, double y_m) const noexcept {
   constexpr double kShear_pa = kModulus_pa / (2 * (1 + kPoisson));
   const double cos = std::cos(grasp_.toward_rad), sin = std::sin(grasp_.toward_rad);
-  const double travelled = grasp_.contact_travels ? travelled_m(moment_.time_s) : 0;
+  const double travelled = travelled_m(moment_.time_s);
   const double x = x_m - grasp_.x_m - travelled * cos, y = y_m - grasp_.y_m - travelled * sin;
   const double along = x * cos + y * sin, across = y * cos - x * sin, r = std::hypot(x, y);
   const double scale = grasp_.pair.disc_scale_pa_per_m() / kShear_pa;

@@ -46,8 +46,7 @@ struct GelGrasp {
   std::vector<Load> loads;           // in straight lines between; the last is the grasp's end
   double tremor_hz = 0, tremor = 0;  // its amplitude: a share of what friction holds
   double slides_s = kNever, stops_s = kNever, lost_s = kNever;
-  double speed_m_per_s = 0, acceleration_m_per_s2 = 0;  // of the object while it slides
-  bool contact_travels = false;                         // with the object
+  double contact_m_per_s = 0;  // how fast the contact goes over the gel while the object slides
 
   bool is_lost() const noexcept { return lost_s < kNever; }
 };

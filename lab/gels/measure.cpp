@@ -40,19 +40,19 @@ GelLine measure_grasp(const GelGrasp& grasp, GelFrames& frames, EstimatorChain& 
   return line;
 }
 
-void add(GelLine& all, const GelLine& one) {
-  all.grasps += one.grasps;
-  all.alarmed += one.alarmed;
-  all.held_s += one.held_s;
-  all.false_alerts += one.false_alerts;
-  all.before += one.before;
-  all.soon += one.soon;
-  all.soon_after_loss += one.soon_after_loss;
-  all.told += one.told;
-  all.after_s.add(one.after_s);
-}
-
 }  // namespace
+
+void GelLine::add(const GelLine& other) {
+  grasps += other.grasps;
+  alarmed += other.alarmed;
+  held_s += other.held_s;
+  false_alerts += other.false_alerts;
+  before += other.before;
+  soon += other.soon;
+  soon_after_loss += other.soon_after_loss;
+  told += other.told;
+  after_s.add(other.after_s);
+}
 
 std::vector<GelLine> measure_gels(const GelSetup& setup, const Done& done) {
   const GelSurface surface(GelFrames::kThickness_m, GelFrames::kPoisson);
@@ -73,7 +73,7 @@ std::vector<GelLine> measure_gels(const GelSetup& setup, const Done& done) {
   for (std::size_t i = 0; i < measured.size(); ++i) {
     GelLine& line = lines[i / setup.grasps];
     line.course = measured[i].course;
-    add(line, measured[i]);
+    line.add(measured[i]);
   }
   return lines;
 }

@@ -34,6 +34,7 @@ struct GelLine {
   Samples after_s;  // of those that were told, from the beginning of the slide, s
 
   static constexpr double kSoonPictures = 2;
+  void add(const GelLine& other);
 };
 
 std::vector<GelLine> measure_gels(const GelSetup& setup, const Done& done);

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "core/numeric/random.hpp"
+#include "lab/frames/draws.hpp"
 
 namespace lab::grip {
 namespace {
@@ -13,18 +13,6 @@ namespace {
 constexpr double kGravity = 9.81;
 // Objects that would need more than this of each finger, N, are drawn again.
 constexpr double kMostNeededN = 22;
-
-// One number after the other.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : stream_(seed) {}
-  double uniform(double low, double high) { return stream_.uniform(next_++, low, high); }
-  int below(int count) { return static_cast<int>(stream_.uniform(next_++) * count); }
-
- private:
-  slipd::RandomStream stream_;
-  std::uint64_t next_ = 0;
-};
 
 // Smooth from 0 to 1 within `over_s`.
 double ramp(double time_s, double over_s) {
@@ -43,7 +31,7 @@ double plateau(const Load& load, double time_s, double edge_s) {
   return ramp(time_s - load.at_s, edge_s) * (1 - ramp(time_s - load.at_s - load.for_s, edge_s));
 }
 
-Load draw_load(Random& random, double at_s) {
+Load draw_load(Draws& random, double at_s) {
   const auto kind = static_cast<Load::Kind>(random.below(5));
   const double angle = random.uniform(0, 2 * std::numbers::pi);
   switch (kind) {
@@ -62,7 +50,7 @@ Load draw_load(Random& random, double at_s) {
 }
 
 Task draw(std::uint64_t number, std::uint64_t attempt) {
-  Random random(number * 1000 + attempt);
+  Draws random(slipd::RandomStream(number * 1000 + attempt));
   Task task;
   task.number = number;
   task.shape = static_cast<Shape>(random.below(3));

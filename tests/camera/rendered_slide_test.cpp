@@ -10,6 +10,7 @@
 
 #include "lab/gels/gel_frames.hpp"
 #include "tests/camera/rendered_gel.hpp"
+#include "tests/support/csv.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -51,18 +52,11 @@ class RenderedSlide : public ::testing::Test {
     return pictures;
   }
 
-  static std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells;
-    std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-    return cells;
-  }
-
   static std::vector<double> slips_in(const std::string& table) {
     std::istringstream lines(table);
     std::string line;
     std::getline(lines, line);
-    const auto names = cells_of(line);
+    const auto names = row_fields(line);
     const auto column = [&](const char* name) {
       return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     };
@@ -70,7 +64,7 @@ class RenderedSlide : public ::testing::Test {
     std::vector<double> slips;
     std::size_t rows = 0;
     for (; std::getline(lines, line); ++rows) {
-      const auto cells = cells_of(line);
+      const auto cells = row_fields(line);
       if (cells.at(alert) == "slip") slips.push_back(std::stod(cells.at(time)));
     }
     EXPECT_GT(rows, 50U);

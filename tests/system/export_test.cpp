@@ -14,6 +14,7 @@
 #include "bridges/ros2/messages/cdr.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
 #include "core/recording/recorded_estimate.hpp"
+#include "tests/support/csv.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -82,19 +83,13 @@ std::map<std::string, std::vector<Bytes>> messages_of(const std::filesystem::pat
 
 // The rows of a CSV file by the number of their frame: texts by column.
 std::map<std::uint64_t, std::map<std::string, std::string>> rows_of(const std::filesystem::path& file) {
-  const auto split = [](const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream in(line + ",");
-    for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
-    return fields;
-  };
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
-  const auto columns = split(line);
+  const auto columns = row_fields(line);
   std::map<std::uint64_t, std::map<std::string, std::string>> rows;
   while (std::getline(in, line)) {
-    const auto fields = split(line);
+    const auto fields = row_fields(line);
     std::map<std::string, std::string> row;
     for (std::size_t i = 0; i < columns.size(); ++i) row[columns[i]] = fields.at(i);
     rows[std::stoull(row.at("seq"))] = row;

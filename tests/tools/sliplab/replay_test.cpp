@@ -10,6 +10,7 @@
 
 #include "driver_api/driver.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
+#include "tests/support/csv.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/label.hpp"
@@ -18,6 +19,8 @@
 
 namespace sliplab {
 namespace {
+
+using slipd::testing::row_fields;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -32,19 +35,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
-}
-
-// Fields of a line of CSV, empty ones too.
-std::vector<std::string> row_fields(const std::string& line) {
-  std::vector<std::string> fields(1);
-  for (const char c : line) {
-    if (c == ',') {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
-  return fields;
 }
 
 // A finger of 3 x 3 pillars in newtons, 100 rows a second: no contact, a grip of 5 N, a load up to `load` of
