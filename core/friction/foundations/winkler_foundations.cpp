@@ -34,6 +34,7 @@ WinklerFoundations::WinklerFoundations(std::span<const double> frictions,
   friction_.fill(1);
   std::copy_n(frictions.begin(), count_, friction_.begin());
   std::transform(friction_.begin(), friction_.end(), inverse_.begin(), [](double mu) { return 1 / mu; });
+  copy_of_.fill(kNone);
 }
 
 void WinklerFoundations::clear() noexcept {
@@ -42,6 +43,7 @@ void WinklerFoundations::clear() noexcept {
   carried_n_.fill(0);
   loads_ = {};
   taken_over_ = {};
+  copy_of_.fill(kNone);
   summed_ = false;
 }
 
@@ -91,19 +93,22 @@ void WinklerFoundations::settle(const PerBed<std::int32_t>& which, double far) n
                    which.data(), vectors_);
 }
 
+void WinklerFoundations::settle_taken_over() noexcept {
+  if (std::ranges::none_of(taken_over_, [](std::int32_t which) { return which < 0; })) return;
+  settle(taken_over_, 2 * square(std::cbrt(normal_n_)));
+  taken_over_ = {};
+  summed_ = false;
+}
+
 void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
-  if (!(normal_n > 0)) {
-    clear();
-    return;
-  }
-  const bool any_taken_over = *std::min_element(taken_over_.begin(), taken_over_.end()) < 0;
-  if (normal_n == normal_n_ && shear_n == asked_n_ && !any_taken_over) return;
+  if (!(normal_n > 0)) return clear();
+  if (normal_n == normal_n_ && shear_n == asked_n_) return settle_taken_over();
   const double d_normal = normal_n - normal_n_, radius = std::cbrt(normal_n),
                radius_before = std::cbrt(normal_n_);
   reach(radius);
   PerBed<float> slope{};
   PerBed<std::int32_t> slips = taken_over_;
-  bool any_sticks = false, any_slips = any_taken_over;
+  bool any_sticks = false, any_slips = false;
   for (std::size_t j = 0; j < count_; ++j) {
     const double target_n = std::clamp(shear_n * inverse_[j], -normal_n, normal_n);
     const double d_shear = target_n - carried_n_[j];
@@ -125,6 +130,7 @@ void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
   asked_n_ = shear_n;
   if (any_slips) settle(slips, square(radius) + square(radius_before));
   taken_over_ = {};
+  copy_of_.fill(kNone);
   summed_ = false;
 }
 

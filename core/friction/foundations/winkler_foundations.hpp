@@ -37,12 +37,19 @@ class WinklerFoundations {
   void assume_monotonic(double normal_n, double shear_n) noexcept;
 
   // The beds for which `chosen` is true go on from the contact of bed `from`, as far as their friction holds
-  // it: with the next follow(), which they have to settle in anyway.
+  // it: with the next follow(), which they have to settle in anyway. Those that have it already cost nothing.
   template <typename Chosen>
   void take_over(std::size_t from, Chosen chosen) noexcept {
     PerBed<std::int32_t> which{};
-    for (std::size_t j = 0; j < count_; ++j) which[j] = j != from && chosen(j) ? -1 : 0;
-    take_over(from, which);
+    bool any = false;
+    for (std::size_t j = 0; j < count_; ++j) {
+      if (copy_of_[j] != from) copy_of_[j] = kNone;
+      if (j == from || !chosen(j) || copy_of_[j] == from) continue;
+      copy_of_[j] = from;
+      which[j] = -1;
+      any = true;
+    }
+    if (any) take_over(from, which);
   }
 
   // The load that it was asked to follow last, N; 0 and 0 without a contact.
@@ -70,6 +77,7 @@ class WinklerFoundations {
   Pressed pressed_by(double radius) const noexcept;
   void take_over(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
   void settle(const PerBed<std::int32_t>& which, double far) noexcept;
+  void settle_taken_over() noexcept;
   void sum_up() const noexcept;
 
   const WinklerKernels* kernels_;
@@ -82,6 +90,9 @@ class WinklerFoundations {
   PerBed<double> carried_n_{};
   std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
   PerBed<std::int32_t> taken_over_{};  // -1: with the next follow()
+  // The bed that it has taken over from, as that one still is; kNone: it has a contact of its own.
+  static constexpr std::size_t kNone = kMost;
+  PerBed<std::size_t> copy_of_;
 
   struct Moments {
     PerBed<double> slip_n, legendre_n;

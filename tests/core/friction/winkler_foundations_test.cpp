@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/simd/instruction_sets.hpp"
@@ -41,12 +42,12 @@ class Both {
     for (std::size_t j = 0; j < alone_.size(); ++j)
       alone_[j].assume_monotonic(normal_n, shear_n, frictions_[j]);
   }
-  void take_over(std::size_t from) {
-    const auto odd = [](std::size_t j) { return j % 2 == 1; };
-    beds_.take_over(from, odd);
+  void take_over(std::size_t from, std::size_t every) {
+    const auto chosen = [every](std::size_t j) { return j % every == 1; };
+    beds_.take_over(from, chosen);
     beds_.follow(normal_n_, shear_n_);  // the same load
     for (std::size_t j = 0; j < alone_.size(); ++j) {
-      if (j == from || !odd(j)) continue;
+      if (j == from || !chosen(j)) continue;
       alone_[j] = alone_[from];
       alone_[j].fall_to(frictions_[j]);
       alone_[j].follow(normal_n_, shear_n_, frictions_[j]);
@@ -97,14 +98,19 @@ std::vector<std::vector<double>> run(std::size_t count, const WinklerKernels& ke
   Both both(count, kernels);
   std::vector<std::vector<double>> moments;
   double p = 1, q = 0;
+  both.follow(p, q);
   for (int phase = 0; phase < kPhases && !testing::Test::HasFatalFailure(); ++phase) {
     const double what = unit(random);
     if (what < 0.05) {
       both.clear();
     } else if (what < 0.1) {
       both.assume_monotonic(p, q);
-    } else if (what < 0.25) {
-      both.take_over(std::uniform_int_distribution<std::size_t>(0, count - 1)(random));
+    } else if (what < 0.35) {  // from the same one again, too, and from one that has taken over itself
+      std::uniform_int_distribution<std::size_t> any(0, count - 1);
+      const std::size_t first = any(random), second = any(random);
+      for (const auto& [from, every] : {std::pair(first, 2), {first, 2}, {second, 3}, {first, 2}})
+        both.take_over(from, static_cast<std::size_t>(every));
+      both.expect_same();
     }
     const double p_to = what > 0.6 ? p : 0.3 + 4 * unit(random), q_to = 3 * p_to * (unit(random) - 0.5);
     for (int i = 1; i <= kSteps; ++i) {
