@@ -53,24 +53,19 @@ FrictionGrid::Summary FrictionGrid::summarise() const noexcept {
   constexpr double kLeast = 0.05;
   constexpr double kLow = 0.1587, kHigh = 0.8413;  // of a Gaussian, one standard deviation on either side
   const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
-  Summary out{.likeliest =
-                  static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin())};
-  double below = 0;
-  for (std::size_t j = 0; j < count_; ++j) {
-    const double with_it = below + weight_[j];
-    const auto place = [&](double share) {
-      return friction_[j] * std::exp(step_ * ((share - below) / weight_[j] - 0.5));
-    };
-    if (below < kLeast && with_it >= kLeast) out.least = place(kLeast);
-    if (below < kLow && with_it >= kLow) out.low = place(kLow);
-    if (below < 0.5 && with_it >= 0.5) out.middle = place(0.5);
-    if (below < kHigh && with_it >= kHigh) {
-      out.high = place(kHigh);
-      break;
-    }
-    below = with_it;
-  }
-  return out;
+  PerFriction up_to;  // the weights up to each point, with it; the first count_
+  std::partial_sum(weight_.begin(), end, up_to.begin());
+  const auto place = [&](double share) {
+    const auto last = up_to.begin() + static_cast<std::ptrdiff_t>(count_ - 1);
+    const auto j = static_cast<std::size_t>(std::lower_bound(up_to.begin(), last, share) - up_to.begin());
+    const double below = j > 0 ? up_to[j - 1] : 0;
+    return friction_[j] * std::exp(step_ * ((share - below) / weight_[j] - 0.5));
+  };
+  return {.likeliest = static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin()),
+          .least = place(kLeast),
+          .low = place(kLow),
+          .middle = place(0.5),
+          .high = place(kHigh)};
 }
 
 MeanSigma FrictionGrid::friction() const noexcept {

@@ -16,15 +16,6 @@ struct CornerLists {
   double x, center_x, center_y;
 };
 
-// In single precision: an error of w, the height above the rim, does not count there, where w is small.
-[[gnu::always_inline]] inline void fill_corner_values(const CornerLists& at) noexcept {
-#pragma omp simd
-  for (std::size_t i = 0; i < at.count; ++i) {
-    const auto u = static_cast<float>(at.u[i] - at.center_x), v = static_cast<float>(at.v[i] - at.center_y);
-    at.value[i] = static_cast<double>(dome_corner(static_cast<float>(at.x), u, v).value);
-  }
-}
-
 [[gnu::always_inline]] inline void fill_corners(const CornerLists& at) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < at.count; ++i) {
@@ -44,18 +35,17 @@ constexpr std::size_t in_vectors(std::size_t corners) noexcept {
 
 struct LatticeKernels {
   void (*corners)(const CornerLists&) noexcept;
-  void (*values)(const CornerLists&) noexcept;
   static const LatticeKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const LatticeKernels LatticeKernels::baseline{on_baseline<fill_corners>, on_baseline<fill_corner_values>};
+const LatticeKernels LatticeKernels::baseline{on_baseline<fill_corners>};
 #if defined(__x86_64__)
-const LatticeKernels LatticeKernels::avx2{on_avx2<fill_corners>, on_avx2<fill_corner_values>};
-const LatticeKernels LatticeKernels::avx512{on_avx512<fill_corners>, on_avx512<fill_corner_values>};
+const LatticeKernels LatticeKernels::avx2{on_avx2<fill_corners>};
+const LatticeKernels LatticeKernels::avx512{on_avx512<fill_corners>};
 #endif
 
 }  // namespace
 
-DomeLattice::DomeLattice(std::size_t most_along) {
+DomeLattice::DomeLattice(std::size_t most_along) : below_(most_along + 1), above_(most_along + 1) {
   rows_.reserve(most_along + 1);
   for (auto* list : {&u_, &v_, &value_, &d_x_, &d_u_, &d_v_})
     list->resize(in_vectors((most_along + 1) * (most_along + 1)));
@@ -95,10 +85,27 @@ void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, const
   put(d_v_, out.d_v);
 }
 
-void DomeLattice::values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept {
-  best_kernels<LatticeKernels>().values({u_.data(), v_.data(), value_.data(), nullptr, nullptr, nullptr,
-                                         in_vectors(corners_), x, center_x_m, center_y_m});
-  put(value_, out);
+void DomeLattice::add_rings(const PerRing& radii, double center_x_m, double center_y_m,
+                            std::span<const double> whole, std::span<const double> field,
+                            RingSums& sums) noexcept {
+  std::size_t at = 0;
+  for (std::size_t height = 0; height < rows_.size(); ++height) {
+    const CornerRow& corners = rows_[height];
+    integrate_domes(radii, {u_.data() + corners.start, corners.count},
+                    {v_.data() + corners.start, corners.count}, center_x_m, center_y_m, above_);
+    if (height > 0) {
+      const TaxelRun& run = squares_[height - 1];
+      const std::size_t count = run.end - run.first;
+      contact::add_rings({.below = below_.data() + (run.first - rows_[height - 1].first),
+                          .above = above_.data() + (run.first - corners.first),
+                          .whole = whole.subspan(at, count),
+                          .field = field.subspan(at, count),
+                          .per_area = 1 / (side_m_ * side_m_)},
+                         sums);
+      at += count;
+    }
+    std::swap(below_, above_);
+  }
 }
 
 // Inclusion and exclusion of each square's four corners.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/contact/subsurface/dome.hpp"
+#include "core/contact/subsurface/dome_rings.hpp"
 #include "core/simd/taxel_runs.hpp"
 
 namespace slipd::contact {
@@ -37,11 +38,14 @@ class DomeLattice {
   // spans have room for a value of each square. Exact to rounding. x >= 0; lengths in m.
   void evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept;
 
-  // The averages alone, in half the time: in single precision, to 5e-7 x^3/side^2.
-  void values(double x, double center_x_m, double center_y_m, std::span<double> out) noexcept;
+  // Adds to `sums` what domes of these radii leave of `whole`, which has a value of each square as `field`
+  // has. In single precision: an average is good to 1e-6 x^3/side^2.
+  void add_rings(const PerRing& radii, double center_x_m, double center_y_m, std::span<const double> whole,
+                 std::span<const double> field, RingSums& sums) noexcept;
 
   std::size_t memory_bytes() const noexcept {
-    return sizeof(double) * kLists * u_.size() + sizeof(CornerRow) * rows_.capacity();
+    return sizeof(double) * kLists * u_.size() + sizeof(CornerRow) * rows_.capacity() +
+           2 * sizeof(PerRing) * below_.size();
   }
 
  private:
@@ -58,6 +62,7 @@ class DomeLattice {
   std::vector<CornerRow> rows_;
   std::size_t corners_ = 0;
   std::vector<double> u_, v_, value_, d_x_, d_u_, d_v_;
+  std::vector<PerRing> below_, above_;  // of two rows of corners
 };
 
 }  // namespace slipd::contact

@@ -32,6 +32,7 @@ std::array<double, MarginProfile::kSteps> stick_shares() noexcept {
   return shares;
 }
 const std::array<double, MarginProfile::kSteps> kStickShares = stick_shares();
+static_assert(contact::kRings == MarginProfile::kSteps);
 
 double square(double value) noexcept {
   return value * value;
@@ -210,14 +211,14 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) 
   const double share = profile_share(hessian);
   ProfileFriction friction;
   auto& profile = out.profile;
-  const auto n = static_cast<Eigen::Index>(samples_.count());
-  const Eigen::Map<const Eigen::ArrayXd> q(samples_.shear_pa().data(), n), whole(contact_.value.data(), n);
-  Eigen::Map<Eigen::ArrayXd> ring(stick_.value.data(), n);
+  contact::PerRing radii;
+  for (std::size_t j = 0; j < radii.size(); ++j)
+    radii[j] = static_cast<float>(kStickShares[j] * at[radius]);
+  const contact::RingSums rings =
+      samples_.ring_sums(radii, at[center_x], at[center_y], {contact_.value.data(), samples_.count()});
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
-    const double gamma = MarginProfile::gamma_of(j);
-    samples_.average(kStickShares[j] * at[radius], at[center_x], at[center_y], stick_.value);
-    ring = (whole - ring) * (at[height] / (1 - gamma));
-    const double squares = ring.square().sum(), product = (ring * q).sum();
+    const double gamma = MarginProfile::gamma_of(j), pressure = at[height] / (1 - gamma);
+    const double squares = square(pressure) * rings.squares[j], product = pressure * rings.products[j];
     const double t = std::max(kLeastTraction, product / squares);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] =

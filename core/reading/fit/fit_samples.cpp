@@ -1,6 +1,7 @@
 #include "core/reading/fit/fit_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -66,10 +67,27 @@ void TaxelSamples::average(double x, double center_x_m, double center_y_m,
   contact::average_dome(x, layout_.side_m(), {u_.data(), count_}, {v_.data(), count_}, out);
 }
 
-void TaxelSamples::average(double x, double center_x_m, double center_y_m, std::span<double> value) noexcept {
-  if (lattice_) return lattice_->values(x, center_x_m, center_y_m, value);
-  place(center_x_m, center_y_m);
-  contact::average_dome(x, layout_.side_m(), {u_.data(), count_}, {v_.data(), count_}, value);
+contact::RingSums TaxelSamples::ring_sums(const contact::PerRing& radii, double center_x_m,
+                                          double center_y_m, std::span<const double> whole) noexcept {
+  contact::RingSums sums;
+  if (lattice_) {
+    lattice_->add_rings(radii, center_x_m, center_y_m, whole, shear_pa(), sums);
+    return sums;
+  }
+  const double side = layout_.side_m(), half = 0.5 * side;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::array u{x_m_[i] - half, x_m_[i] + half, x_m_[i] - half, x_m_[i] + half},
+        v{y_m_[i] - half, y_m_[i] - half, y_m_[i] + half, y_m_[i] + half};
+    std::array<contact::PerRing, 4> corners;
+    contact::integrate_domes(radii, u, v, center_x_m, center_y_m, corners);
+    contact::add_rings({.below = corners.data(),
+                        .above = corners.data() + 2,
+                        .whole = whole.subspan(i, 1),
+                        .field = shear_pa().subspan(i, 1),
+                        .per_area = 1 / (side * side)},
+                       sums);
+  }
+  return sums;
 }
 
 BlockSamples::BlockSamples(SquareBlocks blocks)

@@ -9,6 +9,7 @@
 
 #include "core/contact/subsurface/dome_averages.hpp"
 #include "core/contact/subsurface/dome_lattice.hpp"
+#include "core/contact/subsurface/dome_rings.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 #include "core/patch/square_blocks.hpp"
@@ -34,8 +35,10 @@ class FitSamples {
   // all in m. The lists have room for most().
   virtual void average(double x, double center_x_m, double center_y_m,
                        const contact::DomeAverages& out) noexcept = 0;
-  // The averages alone.
-  virtual void average(double x, double center_x_m, double center_y_m, std::span<double> value) noexcept = 0;
+  // Domes of these radii about the same centre, and what each leaves of `whole`, a wider one, averaged over
+  // each sample: its squares, and its products with the shear along the pull.
+  virtual contact::RingSums ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
+                                      std::span<const double> whole) noexcept = 0;
 
   virtual std::size_t memory_bytes() const noexcept = 0;
 
@@ -58,7 +61,8 @@ class TaxelSamples final : public FitSamples {
 
   void average(double x, double center_x_m, double center_y_m,
                const contact::DomeAverages& out) noexcept override;
-  void average(double x, double center_x_m, double center_y_m, std::span<double> value) noexcept override;
+  contact::RingSums ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
+                              std::span<const double> whole) noexcept override;
   std::size_t memory_bytes() const noexcept override;
 
  private:
@@ -90,8 +94,11 @@ class BlockSamples final : public FitSamples {
                const contact::DomeAverages& out) noexcept override {
     lattice_.evaluate(x, center_x_m, center_y_m, out);
   }
-  void average(double x, double center_x_m, double center_y_m, std::span<double> value) noexcept override {
-    lattice_.values(x, center_x_m, center_y_m, value);
+  contact::RingSums ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
+                              std::span<const double> whole) noexcept override {
+    contact::RingSums sums;
+    lattice_.add_rings(radii, center_x_m, center_y_m, whole, shear_pa(), sums);
+    return sums;
   }
   std::size_t memory_bytes() const noexcept override {
     return list_bytes() + blocks_.memory_bytes() + lattice_.memory_bytes();
