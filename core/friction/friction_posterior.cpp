@@ -159,7 +159,7 @@ bool FrictionPosterior::conclude() noexcept {
     same_[j] += changed_[j];
   }
   for (CommonError& error : errors_) {
-    for (std::size_t j = 0; j < count && any; ++j)
+    for (std::size_t j = 0; j < count && any && error.usual > 0; ++j)
       if (has_changed_[j]) error.mean[j] = error.weighed ? error.if_changed[j] : error.mean[likeliest];
     error.weighed = false;
   }

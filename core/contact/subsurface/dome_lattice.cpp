@@ -29,7 +29,7 @@ struct CornerLists {
 
 // Corners are computed in whole vectors of the widest registers: a rest of single ones takes longer.
 constexpr std::size_t in_vectors(std::size_t corners) noexcept {
-  constexpr std::size_t kLanes = 16;
+  constexpr std::size_t kLanes = 8;
   return (corners + kLanes - 1) / kLanes * kLanes;
 }
 
