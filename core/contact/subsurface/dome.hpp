@@ -78,11 +78,10 @@ template <typename Real>
   const Real over_u = angle_from_height(v, w), over_v = angle_from_height(u, w);
   const Real over_both = angle_from_height(u * v, x * w);
   const Real xx = x * x, uu = u * u, vv = v * v;
-  return {
-      Real(1.0 / 6) *
-          (2 * u * v * w + u * (3 * xx - uu) * over_u + v * (3 * xx - vv) * over_v - 2 * xx * x * over_both),
-      x * (u * over_u + v * over_v - x * over_both), Real(0.5) * (v * w + (xx - uu) * over_u),
-      Real(0.5) * (u * w + (xx - vv) * over_v)};
+  return {Real(1.0 / 6) * (2 * u * v * w + u * (3 * xx - uu) * over_u + v * (3 * xx - vv) * over_v -
+                           2 * xx * x * over_both),
+          x * (u * over_u + v * over_v - x * over_both), Real(0.5) * (v * w + (xx - uu) * over_u),
+          Real(0.5) * (u * w + (xx - vv) * over_v)};
 }
 
 // The average over the square of `side` about (u, v). x >= 0.

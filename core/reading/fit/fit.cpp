@@ -13,7 +13,6 @@
 #include "core/numeric/bounded_step.hpp"
 #include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
@@ -195,36 +194,20 @@ double Fit::residual_pressure(const Vector& at) const noexcept {
          (at[height] * at[radius]);
 }
 
-// The profile holds place, size and height of the contact as they fit best, and they are not known so well:
-// the margin's variance with them held, over that with them free.
-double Fit::profile_share(const Square& hessian) const noexcept {
-  const double free = ScaledInverse<Square>(hessian).variance(margin);
-  const double held =
-      1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
-  const double share = held / free;  // not a number where nothing shows the margin at all
-  return share < 1 ? share : 1;
-}
-
 // Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is
 // weighed instead: the likelihood of each margin, times the prior of the friction that it would need.
-void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) noexcept {
-  const double share = profile_share(hessian);
-  ProfileFriction friction;
-  auto& profile = out.profile;
+void Fit::weigh_by_prior(const Vector& at, double share, Reading& out) noexcept {
   contact::PerRing radii;
-  for (std::size_t j = 0; j < radii.size(); ++j)
-    radii[j] = static_cast<float>(kStickShares[j] * at[radius]);
+  for (std::size_t j = 0; j < radii.size(); ++j) radii[j] = static_cast<float>(kStickShares[j] * at[radius]);
   const contact::RingSums rings =
       samples_.ring_sums(radii, at[center_x], at[center_y], {contact_.value.data(), samples_.count()});
+  ProfileSums sums;
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
-    const double gamma = MarginProfile::gamma_of(j), pressure = at[height] / (1 - gamma);
-    const double squares = square(pressure) * rings.squares[j], product = pressure * rings.products[j];
-    const double t = std::max(kLeastTraction, product / squares);
-    friction[j] = t / (1 - gamma);
-    profile.misfit[j] =
-        share * 0.5 * (t * t * squares - 2 * t * product) / (frame_.noise_shear_pa * frame_.noise_shear_pa);
+    const double slope = at[height] / ((1 - MarginProfile::gamma_of(j)) * frame_.noise_shear_pa);
+    sums.squares[j] = slope * slope * rings.squares[j];
+    sums.products[j] = slope * rings.products[j] / frame_.noise_shear_pa;
   }
-  weigh_profile(friction, prior_, out);
+  weigh_profile(sums, share, prior_, out);
 }
 
 Fit::Minimum Fit::minimise(const Vector& start) noexcept {
@@ -285,24 +268,6 @@ bool Fit::take_last_step(Minimum& minimum) noexcept {
   return true;
 }
 
-bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& out) const noexcept {
-  const Vector& at = minimum.at;
-  const ScaledInverse<Square> inverse(minimum.hessian);
-  const double variance = inverse.variance(margin), load_variance = inverse.variance(load);
-  if (!std::isfinite(variance)) return false;
-  const double load_sigmas = at[load] / std::sqrt(load_variance);
-  if (!(load_sigmas > kClearSigmas)) return false;
-  out.gamma = at[margin];
-  out.sigma = load_sigmas > kStrongSigmas ? std::sqrt(variance) : 1;
-  const double utilisation = 1 - out.gamma;
-  out.friction = at[load] / utilisation;
-  out.friction_sigma = out.sigma < kKnownFrictionShare * utilisation
-                           ? out.friction * norm(out.sigma / utilisation, std::sqrt(load_variance) / at[load])
-                           : std::numeric_limits<double>::infinity();
-  place(patch, at, out);
-  return true;
-}
-
 void Fit::place(const ContactPatch& patch, const Vector& at, Reading& out) noexcept {
   out.center_x_m = patch.center_x_m + at[center_x];
   out.center_y_m = patch.center_y_m + at[center_y];
@@ -331,11 +296,14 @@ std::optional<Fit::Vector> Fit::start_of(const ContactPatch& patch, const Moment
 void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Minimum& minimum,
                    Reading& out) noexcept {
   const Vector& at = minimum.at;
-  if (!minimum.converged || !describe(patch, minimum, out)) return;
+  if (!minimum.converged) return;
+  const MarginParabola<Square> near = parabola(minimum);
+  if (!near.describe(at[margin], at[load], out)) return;
+  place(patch, at, out);
   const HertzDeviationOptions& deviation = options_.ratio.deviation;
   const RingMisfit misfit = ring_misfit(at);
   out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < kMaxRingMisfit;
-  if (out.sigma > kOpenSigma) weigh_by_prior(at, minimum.hessian, out);
+  if (out.sigma > kOpenSigma) weigh_by_prior(at, near.profile_share(), out);
   // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
   const double uneven = misfit.by_noise > kMaxRingMisfit ? kModelSigma : 0;
   const double unlike = std::max(kUnexplainedSigma * residual_pressure(at), ratio.deviation.sigma(deviation));

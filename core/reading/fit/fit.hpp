@@ -21,6 +21,7 @@
 #include "core/contact/subsurface/dome.hpp"
 #include "core/reading/fit/fit_options.hpp"
 #include "core/reading/fit/fit_samples.hpp"
+#include "core/reading/fit/margin_parabola.hpp"
 #include "core/reading/fit/normal_equations/dome_products.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 #include "core/reading/method/friction_prior.hpp"
@@ -88,9 +89,6 @@ class Fit : public SlipMethod {
                 Reading& out) noexcept;
   // One step of Newton's method; the domes follow linearly. False if it is too long for that.
   bool take_last_step(Minimum& minimum) noexcept;
-  // Gamma, friction, place and radius with their deviations by the parabola; false if there is none, or no
-  // clear load.
-  bool describe(const ContactPatch& patch, const Minimum& minimum, Reading& out) const noexcept;
   // Centre and radius of the contact into `out`.
   static void place(const ContactPatch& patch, const Vector& at, Reading& out) noexcept;
   // Mean square residuals over rings: in units of noise, and of noise and an uneven skin.
@@ -100,8 +98,11 @@ class Fit : public SlipMethod {
   };
   RingMisfit ring_misfit(const Vector& at) const noexcept;
   double residual_pressure(const Vector& at) const noexcept;
-  double profile_share(const Square& hessian) const noexcept;
-  void weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) noexcept;
+  static MarginParabola<Square> parabola(const Minimum& minimum) noexcept {
+    return {minimum.hessian, margin, load};
+  }
+  // share: of the profile, see weigh_profile.
+  void weigh_by_prior(const Vector& at, double share, Reading& out) noexcept;
 
   const TaxelLayout layout_;
   const FitOptions options_;

@@ -10,7 +10,7 @@ void FewTaxelsFit::read(const ContactPatch& patch, const MomentRatio& ratio, Rea
   const auto first = start_of(patch, ratio);
   if (!first) return;
   const Minimum minimum = minimise(*first);
-  weigh_by_prior(minimum.at, minimum.hessian, out);
+  weigh_by_prior(minimum.at, parabola(minimum).profile_share(), out);
   place(patch, minimum.at, out);
   out.in_model = minimum.converged;
 }

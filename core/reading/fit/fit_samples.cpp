@@ -67,8 +67,8 @@ void TaxelSamples::average(double x, double center_x_m, double center_y_m,
   contact::average_dome(x, layout_.side_m(), {u_.data(), count_}, {v_.data(), count_}, out);
 }
 
-contact::RingSums TaxelSamples::ring_sums(const contact::PerRing& radii, double center_x_m,
-                                          double center_y_m, std::span<const double> whole) noexcept {
+contact::RingSums TaxelSamples::ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
+                                          std::span<const double> whole) noexcept {
   contact::RingSums sums;
   if (lattice_) {
     lattice_->add_rings(radii, center_x_m, center_y_m, whole, shear_pa(), sums);

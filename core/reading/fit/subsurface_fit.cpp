@@ -15,7 +15,6 @@
 #include "core/numeric/bounded_step.hpp"
 #include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
-#include "core/numeric/scaled_inverse.hpp"
 #include "core/patch/rings.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
@@ -164,28 +163,6 @@ void SubsurfaceFit::place(const Full& at, Reading& out) noexcept {
   out.radius_m = at[Model::size];
 }
 
-bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcept {
-  const Full& at = minimum.at;
-  const ScaledInverse<Square> inverse(minimum.normal.hessian);
-  const double variance = inverse.variance(Model::margin), load_variance = inverse.variance(Model::load);
-  if (!std::isfinite(variance)) return false;
-  const double load_sigmas = at[Model::load] / std::sqrt(load_variance);
-  if (!(load_sigmas > kClearSigmas)) return false;
-  out.gamma = at[Model::margin];
-  out.sigma = load_sigmas > kStrongSigmas ? std::sqrt(variance) : 1;
-  const double utilisation = 1 - out.gamma;
-  out.friction = at[Model::load] / utilisation;
-  out.friction_sigma =
-      out.sigma < kKnownFrictionShare * utilisation && std::isfinite(load_variance)
-          ? out.friction * norm(out.sigma / utilisation, std::sqrt(load_variance) / at[Model::load])
-          : std::numeric_limits<double>::infinity();
-  place(at, out);
-  if (depth_m_ > 0) return true;  // find_moments has the forces of any history
-  out.normal_n = 2.0 / 3 * std::numbers::pi * at[Model::size] * at[Model::size] * at[Model::peak];
-  out.shear_n = at[Model::load] * out.normal_n;
-  return true;
-}
-
 // What the shear alone makes each taxel read for one Q/P, over it: `of_shear` of each channel.
 void SubsurfaceFit::fill_shear(const Full& at, double gamma, const Sheet& outer) noexcept {
   const double k = std::cbrt(gamma), q = at[Model::peak] / (1 - gamma);
@@ -199,33 +176,21 @@ void SubsurfaceFit::fill_shear(const Full& at, double gamma, const Sheet& outer)
                               .other_y_pa = -k * y});
 }
 
-// As Fit::weigh_by_prior: the likelihood of each margin, with place and shape held and the load best for it.
-// Taxels may be averaged roughly: only what another margin changes is.
-void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Reading& out) noexcept {
-  const Square covariance = hessian.ldlt().solve(Square::Identity(hessian.rows(), hessian.cols()));
-  const double held = 1 / (hessian(Model::margin, Model::margin) - hessian(Model::load, Model::margin) *
-                                                                       hessian(Model::load, Model::margin) /
-                                                                       hessian(Model::load, Model::load));
-  const double kept = held / covariance(Model::margin, Model::margin);
-  const double share = kept > 0 && kept < 1 ? kept : 1;
+void SubsurfaceFit::weigh_by_prior(const Full& at, double share, Reading& out) noexcept {
   const std::size_t rows = 3 * model_.count();
   const Sheet& outer = model_.show(at, profile_detail());
   const auto residuals = model_.residuals();
   fill_shear(at, at[Model::margin], outer);
   for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[Model::load] * shear_[i] - residuals[i];
-  ProfileFriction friction;
-  auto& profile = out.profile;
+  ProfileSums sums;
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
-    const double gamma = MarginProfile::gamma_of(j);
-    fill_shear(at, gamma, outer);
+    fill_shear(at, MarginProfile::gamma_of(j), outer);
     std::array<double, 3> products;
     multiply_columns(std::array<const double*, 2>{shear_.data(), unsheared_.data()}, rows, products.data());
-    const double square = products[0], product = products[1];
-    const double t = std::max(kLeastTraction, product / square);
-    friction[j] = t / (1 - gamma);
-    profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
+    sums.squares[j] = products[0];
+    sums.products[j] = products[1];
   }
-  weigh_profile(friction, prior_, out);
+  weigh_profile(sums, share, prior_, out);
 }
 
 // As an ellipse where the pressure's moments show one, else round; anew from another margin where it ends at
@@ -336,10 +301,17 @@ void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Read
   const Full& at = minimum.at;
   if (!(at[Model::load] > 0)) return;  // the same contact, pulled the other way
   if (depth_m_ > 0) find_moments(patch, minimum.evaluated, out);
-  if (!minimum.converged || !describe(minimum, out)) return;
+  if (!minimum.converged) return;
+  const MarginParabola<Square> near = parabola(minimum);
+  if (!near.describe(at[Model::margin], at[Model::load], out)) return;
+  place(at, out);
+  if (!(depth_m_ > 0)) {  // else find_moments has the forces, of any history
+    out.normal_n = 2.0 / 3 * std::numbers::pi * at[Model::size] * at[Model::size] * at[Model::peak];
+    out.shear_n = at[Model::load] * out.normal_n;
+  }
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
-  if (out.sigma > kOpenSigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
+  if (out.sigma > kOpenSigma) weigh_by_prior(minimum.evaluated, near.profile_share(), out);
   out.in_model = residual < options_.max_residual && misfit < kMaxRingMisfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = kUnexplainedSigma * residual;
   if (depth_.open()) out.common_sigma = norm(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
@@ -353,7 +325,7 @@ void FewTaxelsSubsurfaceFit::read(const ContactPatch& /*patch*/, const Minimum& 
   out.noise_normal_pa = model().noise().normal_pa;
   out.noise_shear_pa = model().noise().shear_pa;
   if (!(minimum.at[Model::load] > 0)) return;  // the same contact, pulled the other way
-  weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
+  weigh_by_prior(minimum.evaluated, parabola(minimum).profile_share(), out);
   place(minimum.at, out);
   out.in_model = minimum.converged;
 }

@@ -25,6 +25,7 @@
 #include "core/contact/subsurface/subsurface.hpp"
 #include "core/patch/hertz_deviation.hpp"
 #include "core/reading/fit/fit_options.hpp"
+#include "core/reading/fit/margin_parabola.hpp"
 #include "core/reading/fit/normal_equations/contact_shape.hpp"
 #include "core/reading/fit/normal_equations/design_columns.hpp"
 #include "core/reading/method/method.hpp"
@@ -109,7 +110,12 @@ class SubsurfaceFit {
   }
   // What the minimum says of the contact.
   virtual void read(const ContactPatch& patch, const Minimum& minimum, Reading& out) noexcept;
-  void weigh_by_prior(const Full& at, const Square& hessian, Reading& out) noexcept;
+  static MarginParabola<Square> parabola(const Minimum& minimum) noexcept {
+    return {minimum.normal.hessian, ContactShape::margin, ContactShape::load};
+  }
+  // As in Fit: place and shape are held, and taxels may be averaged roughly: only what another margin changes
+  // is.
+  void weigh_by_prior(const Full& at, double share, Reading& out) noexcept;
   // Centre and radius of the contact into `out`.
   static void place(const Full& at, Reading& out) noexcept;
 
@@ -150,7 +156,6 @@ class SubsurfaceFit {
   // Mean square of the shear's residuals, ring by ring, over noise and what a real skin is uneven by.
   // held: of each taxel, what it would read of a shear of 1 Pa at the middle that is as large as friction.
   double ring_misfit(const Full& at, std::span<const double> held) const noexcept;
-  bool describe(const Minimum& minimum, Reading& out) const noexcept;
   // Where taxels show the contact.
   contact::Ellipse reach_of(const ContactPatch& patch, const HertzDeviation& deviation) const noexcept;
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.

@@ -8,11 +8,16 @@
 
 namespace slipd {
 
-void weigh_profile(const ProfileFriction& friction, const FrictionPrior& prior, Reading& out) noexcept {
+void weigh_profile(const ProfileSums& sums, double share, const FrictionPrior& prior, Reading& out) noexcept {
+  constexpr double kLeastTraction = 1e-6;  // of Q/P: its logarithm stays finite
   auto& profile = out.profile;
-  ProfileFriction nats;
+  std::array<double, MarginProfile::kSteps> friction, nats;
   double least = std::numeric_limits<double>::infinity(), least_nats = least;
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
+    const double squares = sums.squares[j], product = sums.products[j];
+    const double t = std::max(kLeastTraction, product / squares);
+    friction[j] = t / (1 - MarginProfile::gamma_of(j));
+    profile.misfit[j] = share * 0.5 * (t * t * squares - 2 * t * product);
     nats[j] = profile.misfit[j] + prior.nats_against(friction[j]);
     least = std::min(least, profile.misfit[j]);
     least_nats = std::min(least_nats, nats[j]);

@@ -9,15 +9,15 @@
 
 namespace slipd {
 
-// The least traction ratio of a profile's point: its logarithm stays finite.
-inline constexpr double kLeastTraction = 1e-6;
+// The shear of a frame beside what each margin of a profile would make of one Q/P, sums over all samples in
+// units of noise: of the second one's squares, and of the products of both.
+struct ProfileSums {
+  std::array<double, MarginProfile::kSteps> squares, products;
+};
 
-// The friction that each margin of a profile would need.
-using ProfileFriction = std::array<double, MarginProfile::kSteps>;
-
-// Fills gamma, sigma, friction and friction_sigma of `out` with means and deviations of the likelihood of
-// each margin, times the prior of the friction that it would need. out.profile.misfit is filled up to a
-// constant; that is taken off, so that its least is 0, and the profile is known.
-void weigh_profile(const ProfileFriction& friction, const FrictionPrior& prior, Reading& out) noexcept;
+// Fills the profile of `out`, each margin with the load that suits it best, and gamma, sigma, friction and
+// friction_sigma with means and deviations of the likelihood of each margin, times the prior of the friction
+// that it would need. share: by which the profile is flatter, as all else is held in it; 0 … 1.
+void weigh_profile(const ProfileSums& sums, double share, const FrictionPrior& prior, Reading& out) noexcept;
 
 }  // namespace slipd
