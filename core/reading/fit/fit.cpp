@@ -14,6 +14,7 @@
 #include "core/numeric/iteration.hpp"
 #include "core/numeric/norm.hpp"
 #include "core/patch/rings.hpp"
+#include "core/reading/fit/residual_sums.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/profile_posterior.hpp"
 #include "core/reading/moments/moments.hpp"
@@ -21,8 +22,6 @@
 
 namespace slipd {
 namespace {
-
-constexpr std::size_t kRings = 12;
 
 // k of each margin of a profile.
 std::array<double, MarginProfile::kSteps> stick_shares() noexcept {
@@ -140,58 +139,29 @@ double Fit::evaluate(Vector& at, Vector& gradient, Square& hessian) noexcept {
   return 0.5 * squares;
 }
 
-// Residuals summed ring by ring: noise averages out in a ring, another history does not.
 Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   const double shape = at[height] * at[load] / (1 - at[margin]);
-  struct Ring {
-    double off = 0, held = 0, taxels = 0;
-  };
-  std::array<Ring, kRings> rings;
+  ResidualRings rings;
   for (std::size_t i = 0; i < samples_.count(); ++i) {
     const double u = samples_.x_m()[i] - at[center_x], v = samples_.y_m()[i] - at[center_y];
-    const double s = std::sqrt(u * u + v * v) / at[radius];
-    auto& ring = rings[std::min(static_cast<std::size_t>(s * kRings), kRings - 1)];
-    ring.off += shape * (contact_.value[i] - stick_.value[i]) - samples_.shear_pa()[i];
-    ring.held += shape * contact_.value[i];
-    ring.taxels += 1;
+    rings.add(std::sqrt(u * u + v * v) / at[radius],
+              shape * (contact_.value[i] - stick_.value[i]) - samples_.shear_pa()[i],
+              shape * contact_.value[i]);
   }
-  RingMisfit sums;
-  int used = 0;
-  for (const auto& ring : rings) {
-    if (ring.taxels < 1) continue;
-    const double uneven = kUnevenShare * ring.held,
-                 noise = frame_.noise_shear_pa * frame_.noise_shear_pa * ring.taxels;
-    sums.by_noise += ring.off * ring.off / noise;
-    sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
-    ++used;
-  }
-  return used > 0 ? RingMisfit{sums.by_noise / used, sums.by_skin / used} : sums;
+  return {rings.misfit(frame_.noise_shear_pa, 0), rings.misfit(frame_.noise_shear_pa, kUnevenShare)};
 }
 
-// Residual pressure that no noise explains, part by part of the disc, as a share of its peak: a contact that
-// is tilted, elliptic or sensed through a skin is off to one side or another, an array with dead taxels here
-// and there. Shear is off by as much, and its residual does not show that, as the margin gives way to it.
+// As a share of the peak: a contact that is tilted, elliptic or sensed through a skin is off to one side or
+// another, an array with dead taxels here and there. Shear is off by as much, and its residual does not show
+// that, as the margin gives way to it.
 double Fit::residual_pressure(const Vector& at) const noexcept {
   constexpr double kFitted = 4;  // unknowns of the pressure: place, radius, height
-  struct Part {
-    double off = 0, taxels = 0;
-  };
-  std::array<Part, 16> parts;
-  const double half = 0.5 * at[radius] * at[radius];
+  ResidualParts parts(at[radius]);
   for (std::size_t i = 0; i < samples_.count(); ++i) {
-    const double u = samples_.x_m()[i] - at[center_x], v = samples_.y_m()[i] - at[center_y];
-    const std::size_t which = (u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) +
-                              (std::fabs(u) > std::fabs(v) ? 4U : 0U) + (u * u + v * v > half ? 8U : 0U);
-    parts[which].off += samples_.normal_pa()[i] - at[height] * contact_.value[i];
-    parts[which].taxels += 1;
+    parts.add(samples_.x_m()[i] - at[center_x], samples_.y_m()[i] - at[center_y],
+              samples_.normal_pa()[i] - at[height] * contact_.value[i]);
   }
-  double sum = 0;
-  for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
-  const double free = static_cast<double>(parts.size()) - kFitted;
-  const double by_noise = frame_.noise_normal_pa * frame_.noise_normal_pa;
-  if (sum < (free + kClearSigmas * std::sqrt(2 * free)) * by_noise) return 0;
-  return std::sqrt((sum - free * by_noise) / static_cast<double>(samples_.count())) /
-         (at[height] * at[radius]);
+  return parts.beyond_noise_pa(frame_.noise_normal_pa, kFitted) / (at[height] * at[radius]);
 }
 
 // Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is

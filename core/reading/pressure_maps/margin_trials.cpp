@@ -7,6 +7,7 @@
 #include "core/frame/model_errors.hpp"
 #include "core/frame/significance.hpp"
 #include "core/numeric/norm.hpp"
+#include "core/numeric/posterior_sums.hpp"
 
 namespace slipd {
 
@@ -47,22 +48,19 @@ void MarginTrials::weigh(Reading& out) const noexcept {
   for (const MarginTrial& trial : trials_) {
     if (trial.friction > 0) least = std::min(least, trial.misfit + trial.nats);
   }
-  double weights = 0, mean = 0, square = 0, friction = 0, friction_square = 0;
+  PosteriorSums margins, frictions;
   for (const MarginTrial& trial : trials_) {
     if (trial.friction <= 0) continue;
     const double weight = std::exp(least - trial.misfit - trial.nats);
-    weights += weight;
-    mean += weight * trial.gamma;
-    square += weight * trial.gamma * trial.gamma;
-    friction += weight * trial.friction;
-    friction_square += weight * trial.friction * trial.friction;
+    margins.add(weight, trial.gamma);
+    frictions.add(weight, trial.friction);
   }
-  if (!(weights > 0)) return;
+  if (!(margins.weight() > 0)) return;
   out.in_model = true;
-  out.gamma = mean / weights;
-  out.sigma = std::sqrt(std::max(0.0, square / weights - out.gamma * out.gamma));
-  out.friction = friction / weights;
-  out.friction_sigma = std::sqrt(std::max(0.0, friction_square / weights - out.friction * out.friction));
+  out.gamma = margins.mean();
+  out.sigma = std::sqrt(margins.variance());
+  out.friction = frictions.mean();
+  out.friction_sigma = std::sqrt(frictions.variance());
 }
 
 void MarginTrials::give_profile(Reading& out) const noexcept {
