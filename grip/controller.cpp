@@ -89,8 +89,8 @@ bool Controller::attach() {
 slipd_estimate Controller::wait_for_estimate() {
   if (!attached_) attached_ = attach();
   slipd_estimate now{};
-  const int code = slipd_wait(slipd_.get(), settings_.name.c_str(), settings_.max_age_s,
-                              std::min(settings_.max_age_s, kLongestWaitS), &now);
+  const int code = slipd_wait(slipd_.get(), settings_.name.c_str(), settings_.law.max_age_s,
+                              std::min(settings_.law.max_age_s, kLongestWaitS), &now);
   if (code == SLIPD_ATTACH_ANEW || code == SLIPD_INVALID) attached_ = false;
   return now;
 }
@@ -99,7 +99,7 @@ slipd_estimate Controller::wait_for_estimate() {
 bool Controller::finger_slides() const {
   return std::ranges::any_of(settings_.fingers, [this](const std::string& finger) {
     slipd_estimate one{};
-    slipd_latest(slipd_.get(), finger.c_str(), settings_.max_age_s, &one);
+    slipd_latest(slipd_.get(), finger.c_str(), settings_.law.max_age_s, &one);
     return slides(one);
   });
 }

@@ -14,13 +14,17 @@ constexpr double kDeafFromN = 1;
 
 Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::int64_t now_ns) {
   now_ns = std::max(now_ns, now_ns_.value_or(now_ns));
-  const double passed_s = static_cast<double>(now_ns - now_ns_.value_or(now_ns)) / kNsPerSecond;
+  const double since_s = static_cast<double>(now_ns - now_ns_.value_or(now_ns)) / kNsPerSecond;
+  const bool paused = since_s > settings_.max_age_s;
+  const double passed_s = std::min(since_s, settings_.max_age_s);
   now_ns_ = now_ns;
   const double acting = acting_n(now_ns);
   contact_for_s_ = reading.contact == true ? contact_for_s_ + passed_s : 0;
   trend_.add(now_ns, reading.shear_n);
   margin_ = reading.known ? std::optional(foreseen_margin(reading)) : std::nullopt;
 
+  if (reading.contact == false) force_known_ = true;
+  if (state_ == State::idle && reading.contact == true) take(Event::contact, now_ns);
   if (wish != Wish::none) take(wish == Wish::open ? Event::open_order : Event::close_order, now_ns);
   take(gripper_answers ? Event::gripper_back : Event::gripper_gone, now_ns);
   if (const auto event = judge(reading, acting)) take(*event, now_ns);
@@ -28,7 +32,7 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
     take(Event::no_object, now_ns);
 
   const bool stands = state_ == State::holding && margin_ >= settings_.target_margin;
-  settled_s_ = stands ? settled_s_ + passed_s : 0;
+  settled_s_ = stands && !paused ? settled_s_ + passed_s : 0;
   watch_deafness(reading, acting, passed_s);
   if (state_ == State::open) {
     force_n_ = 0;
@@ -37,6 +41,7 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
     force_n_ = wanted_n(reading, acting, passed_s);
     order_ = {.move = Move::grip, .force_n = rounded(force_n_)};
   }
+  force_known_ |= state_ != State::idle;
   past_.push_back({now_ns, order_.force_n});
   return order_;
 }
@@ -61,7 +66,7 @@ void Law::take(Event event, std::int64_t now_ns) {
   const State next = next_state(state_, event);
   if (next == state_) return;
   // What an unknown force is followed by must not be less: without a ramp.
-  if (state_ == State::idle && next == State::firm) force_n_ = settings_.firm_n;
+  if (!force_known_ && next == State::firm) force_n_ = settings_.firm_n;
   state_ = next;
   event_ = event;
   if (next == State::closing) closing_since_ns_ = now_ns;

@@ -40,6 +40,8 @@ struct LawSettings {
   double lower_per_s = 1;
   // For how long a margin has to suffice before the force falls, s.
   double settle_s = 0.5;
+  // For how long a reading counts, s: in a longer pause nobody has seen a margin stand.
+  double max_age_s = 0.05;
   // What the load grows by and what the margin falls by is foreseen for this long beyond the delay, s.
   double ahead_s = 0.1;
   // Share by which the force may exceed what is needed without being lowered.
@@ -99,6 +101,8 @@ class Law {
   Event event_ = Event::open_order;
   Order order_;
   double force_n_ = 0;  // before it is rounded
+  // Whether what acts was ordered by this law, or is nothing: an object may be held since before its start.
+  bool force_known_ = false;
   std::deque<Past> past_;
   LoadTrend trend_;
   std::optional<double> margin_;

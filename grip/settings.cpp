@@ -20,6 +20,7 @@ LawSettings law_of(const nlohmann::json& checked, int fingers) {
           .raise_n_per_s = force.at("raise_n_per_s"),
           .lower_per_s = force.at("lower_per_s"),
           .settle_s = checked.at("settle_ms").get<double>() / kMsPerSecond,
+          .max_age_s = checked.at("max_age_ms").get<double>() / kMsPerSecond,
           .ahead_s = checked.at("ahead_ms").get<double>() / kMsPerSecond,
           .close_timeout_s = checked.at("close_timeout_s"),
           .fingers = fingers};
@@ -33,7 +34,6 @@ Settings settings_of(const nlohmann::json& checked) {
   return {.socket = checked.at("socket"),
           .name = alone ? fingers.front() : checked.at("grasp").get<std::string>(),
           .fingers = fingers,
-          .max_age_s = checked.at("max_age_ms").get<double>() / kMsPerSecond,
           .speed_mm_s = checked.at("speed_mm_s"),
           .law = law_of(checked, static_cast<int>(fingers.size())),
           .dry_run = checked.at("dry_run"),

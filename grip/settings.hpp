@@ -14,7 +14,6 @@ struct Settings {
   std::string socket;  // slipd's
   std::string name;    // of the grasp or sensor whose margin counts
   std::vector<std::string> fingers;
-  double max_age_s = 0;
   double speed_mm_s = 0;
   LawSettings law;
   bool dry_run = false;

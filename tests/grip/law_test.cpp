@@ -31,6 +31,34 @@ TEST(Law, FindsAnObjectInTheGripAfterItsStartAndHoldsItFirmlyAtOnce) {
   EXPECT_EQ(first.force_n, held.settings.firm_n) << "a ramp would let go of what is held";
 }
 
+TEST(Law, ToldToCloseAfterItsStartLeavesNoObjectThatMayBeHeldWithLess) {
+  for (const auto& contact : {std::optional(true), std::optional<bool>()}) {  // nullopt: slipd is away
+    Held held;
+    EXPECT_EQ(held.step(unknown(contact), Wish::close).force_n, held.settings.firm_n);
+    EXPECT_EQ(held.law.state(), State::firm);
+  }
+  Held nothing;
+  EXPECT_LE(nothing.step(unknown(false), Wish::close).force_n, nothing.settings.close_n)
+      << "between open fingers there is nothing to hold";
+}
+
+TEST(Law, TakesNoPauseOfItsOwnForTimeInWhichTheMarginStood) {
+  LawSettings settings;
+  settings.settle_s = 3;
+  Held held(settings);
+  held.close();
+  held.step(unknown(true));  // firm, which is more than this margin needs
+  held.steps(margin_of(0.9), 0.6);
+  const double before_n = held.law.force_n();
+  ASSERT_EQ(held.law.state(), State::holding);
+  held.now_ns += 4'000'000'000;
+  EXPECT_EQ(held.step(margin_of(0.9)).force_n, before_n);
+  held.steps(margin_of(0.9), settings.settle_s - 0.1);
+  EXPECT_EQ(held.law.force_n(), before_n) << "the margin has to stand anew";
+  held.steps(margin_of(0.9), 0.5);
+  EXPECT_LT(held.law.force_n(), before_n);
+}
+
 TEST(Law, HoldsWithTheForceThatKeepsTheTargetMargin) {
   Held held;
   held.close();
