@@ -41,6 +41,9 @@ class Gripper {
   virtual std::optional<GripperFacts> obey(const Command& command) = 0;
   // Whether each command is sent, also one that is the last one again.
   virtual bool wants_each() const { return false; }
+  // Between commands, of a gripper that does not want each: what it tells now. Throws GripperError where it
+  // does not obey the last command any more.
+  virtual GripperFacts look(const Command& /*last*/) { return {}; }
 };
 
 // From the settings' object "gripper", which fits the schema, and the most force of a finger. Throws

@@ -10,11 +10,15 @@ namespace {
 
 using bridges::log;
 using bridges::LogLevel;
+using Clock = std::chrono::steady_clock;
 
 // Between attempts to reach a gripper that does not answer.
 constexpr std::chrono::milliseconds kRetry{100};
 // Between attempts to order a gripper that is busy.
 constexpr std::chrono::milliseconds kBusyRetry{10};
+// Between looks at a gripper that has no new order. Longer: its loss is told later. Shorter: an order waits
+// for a look more often.
+constexpr std::chrono::milliseconds kLook{100};
 
 }  // namespace
 
@@ -45,19 +49,34 @@ GripperThread::Condition GripperThread::condition() const {
 
 void GripperThread::run() {
   std::unique_lock lock(mutex_);
+  auto look_at = Clock::now();
   for (;;) {
-    changed_.wait(lock, [this] { return ended_ || wanted_; });
+    const auto due = [this] { return ended_ || wanted_; };
+    if (connected_ && !gripper_->wants_each())
+      changed_.wait_until(lock, look_at, due);
+    else
+      changed_.wait(lock, due);
     if (ended_) return;
-    attempt(lock);
+    const auto now = Clock::now();
+    if (wanted_ && !is_obeyed(*wanted_)) {
+      attempt(lock);
+      look_at = now + kLook;
+    } else if (wanted_.reset(); now >= look_at) {
+      look(lock);
+      look_at = now + kLook;
+    }
     if (!connected_) changed_.wait_for(lock, kRetry, [this] { return ended_; });
     if (busy_) changed_.wait_for(lock, kBusyRetry, [this] { return ended_; });
   }
 }
 
+bool GripperThread::is_obeyed(const Command& command) const {
+  return connected_ && obeyed_ && obeyed_->order == command.order && !gripper_->wants_each();
+}
+
 // Sends what is wanted now. A command that failed is wanted until there is a newer one.
 void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
   const Command command = *std::exchange(wanted_, std::nullopt);
-  if (connected_ && obeyed_ == command.order && !gripper_->wants_each()) return;
   const bool connected = connected_;
   lock.unlock();
   std::optional<GripperFacts> facts;
@@ -69,12 +88,32 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
     trouble = error.what();
   }
   lock.lock();
-  if (facts) obeyed_ = command.order;
+  if (facts) obeyed_ = command;
   if (!facts && !wanted_) wanted_ = command;
   if (trouble.empty())
     succeed(facts);
   else
     fail(trouble);
+}
+
+// What it has lost of the last command is wanted again.
+void GripperThread::look(std::unique_lock<std::mutex>& lock) {
+  const Command last = *obeyed_;
+  lock.unlock();
+  std::optional<GripperFacts> facts;
+  std::string trouble;
+  try {
+    facts = gripper_->look(last);
+  } catch (const GripperError& error) {
+    trouble = error.what();
+  }
+  lock.lock();
+  if (facts) {
+    condition_.facts = *facts;
+    return;
+  }
+  if (!wanted_) wanted_ = last;
+  fail(trouble);
 }
 
 void GripperThread::succeed(const std::optional<GripperFacts>& facts) {

@@ -1,5 +1,5 @@
 // The gripper in a thread of its own, which may wait for it: the newest command is what is sent, and commands
-// that were replaced before are not. Functions are any thread's.
+// that were replaced before are not. One that the gripper has lost is sent again. Functions are any thread's.
 #pragma once
 
 #include <condition_variable>
@@ -34,7 +34,9 @@ class GripperThread {
 
  private:
   void run();
+  bool is_obeyed(const Command& command) const;
   void attempt(std::unique_lock<std::mutex>& lock);
+  void look(std::unique_lock<std::mutex>& lock);
   void succeed(const std::optional<GripperFacts>& facts);
   void fail(const std::string& what);
 
@@ -42,7 +44,7 @@ class GripperThread {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Command> wanted_;
-  std::optional<Order> obeyed_;
+  std::optional<Command> obeyed_;
   Condition condition_;
   bool connected_ = false, busy_ = false;
   bool ended_ = false;

@@ -43,9 +43,7 @@ class ModbusGripper final : public Gripper {
     GripperProfile::Status status = read();
     if (command.order.move == Move::stay) return status.facts;
     if (!status.ready) {
-      if (command.order.move != Move::open || profile_.activation().empty())
-        throw GripperError("gripper at " + place_ +
-                           " is not activated, which moves it: empty it, and order slipd-grip open");
+      if (command.order.move != Move::open || profile_.activation().empty()) fail_inactive();
       if (!activating_)
         for (const RegisterWrite& one : profile_.activation()) write(one);
       activating_ = true;
@@ -54,9 +52,12 @@ class ModbusGripper final : public Gripper {
     activating_ = false;
     if (status.busy) return std::nullopt;
     write(profile_.write(command, most_n_));
-    status = read();
-    if (status.fault)
-      throw GripperError("gripper at " + place_ + " tells of a fault: look at its display or lamp");
+    return healthy(read()).facts;
+  }
+
+  GripperFacts look(const Command& last) override {
+    const GripperProfile::Status status = healthy(read());
+    if (last.order.move != Move::stay && !status.ready) fail_inactive();
     return status.facts;
   }
 
@@ -69,6 +70,17 @@ class ModbusGripper final : public Gripper {
 
   [[noreturn]] void fail(const std::string& what) const {
     throw GripperError("gripper at " + place_ + " " + what + ": " + modbus_strerror(errno));
+  }
+
+  const GripperProfile::Status& healthy(const GripperProfile::Status& status) const {
+    if (status.fault)
+      throw GripperError("gripper at " + place_ + " tells of a fault: look at its display or lamp");
+    return status;
+  }
+
+  [[noreturn]] void fail_inactive() const {
+    throw GripperError("gripper at " + place_ +
+                       " is not activated, which moves it: empty it, and order slipd-grip open");
   }
 
   GripperProfile::Status read() {
