@@ -11,10 +11,13 @@ namespace {
 
 using bridges::log;
 using bridges::LogLevel;
+using Clock = std::chrono::steady_clock;
 
 // A wish of a person waits no longer, s.
 constexpr double kLongestWaitS = 0.02;
 constexpr double kAttachTimeoutS = 0.2;
+// Between attempts to attach, which doubles: each is work for slipd.
+constexpr std::chrono::milliseconds kFirstPause{50}, kLongestPause{2000};
 
 std::string number(double value) {
   char text[32];
@@ -61,7 +64,7 @@ void Controller::step() {
   tell(now, before, force_before_n);
   nlohmann::json status{{"state", to_string(law_.state())},
                         {"why", to_string(law_.last_event())},
-                        {"slipd", slipd_state_name(now.state)},
+                        {"slipd", slipd_trouble_.empty() ? slipd_state_name(now.state) : slipd_trouble_},
                         {"force_n", order.force_n},
                         {"gripper", gripper.answers ? "answers" : gripper.trouble}};
   status["margin"] = law_.margin() ? nlohmann::json(*law_.margin()) : nlohmann::json();
@@ -75,20 +78,41 @@ void Controller::step() {
   status_ = std::move(status);
 }
 
-bool Controller::attach() {
+// Names that slipd does not have are told as well: nobody would see such a finger's slide.
+void Controller::attach() {
+  const auto now = Clock::now();
+  if (now < attach_at_) return;
+  std::string trouble;
   try {
     slipd_.attach(settings_.name, kAttachTimeoutS);
-    log(LogLevel::notice, "reads \"" + settings_.name + "\" of the slipd at " + settings_.socket);
-    return true;
+    for (const std::string& name : settings_.fingers) {
+      slipd_estimate one{};
+      if (slipd_latest(slipd_.get(), name.c_str(), settings_.law.max_age_s, &one) == SLIPD_INVALID)
+        trouble = "the slipd at " + settings_.socket + " has no sensor \"" + name +
+                  "\"; name its sensors in \"fingers\"";
+    }
   } catch (const client::Error& error) {
-    return false;
+    trouble = error.what();
   }
+  attached_ = trouble.empty();
+  if (attached_)
+    log(LogLevel::notice, "reads \"" + settings_.name + "\" of the slipd at " + settings_.socket);
+  else if (trouble != slipd_trouble_)
+    log(LogLevel::warning, trouble);
+  slipd_trouble_ = trouble;
+  attach_pause_ = attached_ ? kFirstPause : std::clamp(2 * attach_pause_, kFirstPause, kLongestPause);
+  attach_at_ = now + attach_pause_;
 }
 
 // The next estimate, or what the last one is worth now.
 slipd_estimate Controller::wait_for_estimate() {
-  if (!attached_) attached_ = attach();
+  if (!attached_) attach();
   slipd_estimate now{};
+  if (!attached_) {
+    slipd_latest(slipd_.get(), nullptr, 0, &now);  // nothing is known
+    std::this_thread::sleep_for(std::chrono::duration<double>(kLongestWaitS));
+    return now;
+  }
   const int code = slipd_wait(slipd_.get(), settings_.name.c_str(), settings_.law.max_age_s,
                               std::min(settings_.law.max_age_s, kLongestWaitS), &now);
   if (code == SLIPD_ATTACH_ANEW || code == SLIPD_INVALID) attached_ = false;

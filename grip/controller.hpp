@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -35,7 +36,7 @@ class Controller {
  private:
   void run();
   void step();
-  bool attach();
+  void attach();
   slipd_estimate wait_for_estimate();
   bool finger_slides() const;
   void tell(const slipd_estimate& now, State before, double force_before_n);
@@ -48,6 +49,9 @@ class Controller {
   GripperWatch watch_;
   std::string told_trouble_;  // of the watch
   bool attached_ = false;
+  std::string slipd_trouble_;  // why it is not attached
+  std::chrono::steady_clock::time_point attach_at_;
+  std::chrono::milliseconds attach_pause_{0};
   bool told_deaf_ = false;
   std::atomic<Wish> wish_{Wish::none};  // relaxed: an independent value
   std::atomic<bool> ended_{false};      // relaxed: an independent value

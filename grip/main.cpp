@@ -36,7 +36,7 @@ class Service final : public bridges::Service {
     } else if (line != "status") {
       answer = {{"error", "orders are open, close and status"}};
     }
-    return answer.dump();
+    return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 
   Controller controller_;

@@ -18,6 +18,11 @@ class GripperError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// It answers that it cannot do what it was told: the connection stands.
+class GripperFault : public GripperError {
+  using GripperError::GripperError;
+};
+
 // What is sent: an order, and the estimate that it answers.
 struct Command {
   Order order;

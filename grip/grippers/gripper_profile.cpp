@@ -92,13 +92,45 @@ GripperProfile::Status GripperProfile::status(std::span<const std::uint16_t> reg
   return status;
 }
 
+std::optional<double> GripperProfile::least_speed_mm_s() const {
+  if (!json_.contains("speed")) return std::nullopt;
+  return json_.at("speed").at("range_mm_s").at(0).get<double>();
+}
+
+std::vector<Problem> problems_of_profile(const json& checked) {
+  std::vector<Problem> problems;
+  const auto add = [&](const std::string& where, const std::string& what) {
+    problems.push_back(problem_of(where, checked.at(json::json_pointer(where)), what));
+  };
+  const json &write = checked.at("write"), &read = checked.at("read");
+  const auto check_index = [&](const std::string& where, const json& registers) {
+    if (checked.at(json::json_pointer(where)).at("index") >= registers.at("count"))
+      add(where + "/index", "is behind the last register: \"count\" is " + registers.at("count").dump());
+  };
+  for (std::size_t i = 0; i < write.at("fields").size(); ++i) {
+    const std::string where = "/write/fields/" + std::to_string(i);
+    const json& field = write.at("fields").at(i);
+    check_index(where, write);
+    if (field.at("is") == "constant" && !field.contains("count")) add(where, "a constant needs \"count\"");
+    if (field.at("is") == "speed" && !checked.contains("speed"))
+      add(where + "/is", "needs the gripper's \"speed\", which this profile does not state");
+  }
+  for (const char* const key : {"ready", "busy", "fault", "width"})
+    if (read.contains(key)) check_index(std::string("/read/") + key, read);
+  for (const char* const where : {"/force/range_n", "/speed/range_mm_s", "/read/width/counts"}) {
+    const json::json_pointer at(where);
+    if (checked.contains(at) && checked.at(at).at(0) == checked.at(at).at(1)) add(where, "is no range");
+  }
+  return problems;
+}
+
 GripperProfile load_profile(const std::string& name_or_path) {
   const bool is_path = name_or_path.find('/') != std::string::npos;
   const std::filesystem::path file =
       is_path ? std::filesystem::path(name_or_path)
               : bridges::data_folder("grippers", SLIPD_INSTALLED_PROFILES) / (name_or_path + ".json");
   try {
-    return GripperProfile(bridges::load_settings(file, slipd_gripper_profile_schema));
+    return GripperProfile(bridges::load_settings(file, slipd_gripper_profile_schema, problems_of_profile));
   } catch (const SettingsError& error) {
     throw GripperError(error.what());
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "grip/grippers/gripper.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd::grip {
 
@@ -29,6 +30,8 @@ class GripperProfile {
   int baud() const { return json_.at("modbus").at("baud"); }
   double least_n() const { return json_.at("force").at("range_n").at(0); }
   double most_n() const { return json_.at("force").at("range_n").at(1); }
+  // The slowest that it moves, mm/s; nothing where no speed can be chosen.
+  std::optional<double> least_speed_mm_s() const;
 
   // For Move::open and Move::grip. The force is rounded up to the gripper's step, unless that exceeds
   // `most_n`.
@@ -54,6 +57,9 @@ class GripperProfile {
 
   nlohmann::json json_;
 };
+
+// What the schema of a profile cannot state.
+std::vector<Problem> problems_of_profile(const nlohmann::json& checked);
 
 // A shipped profile by its name, or one in a file by its path. Throws GripperError.
 GripperProfile load_profile(const std::string& name_or_path);

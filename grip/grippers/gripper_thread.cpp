@@ -65,13 +65,14 @@ void GripperThread::run() {
       look(lock);
       look_at = now + kLook;
     }
-    if (!connected_) changed_.wait_for(lock, kRetry, [this] { return ended_; });
+    if (!condition_.answers) changed_.wait_for(lock, kRetry, [this] { return ended_; });
     if (busy_) changed_.wait_for(lock, kBusyRetry, [this] { return ended_; });
   }
 }
 
 bool GripperThread::is_obeyed(const Command& command) const {
-  return connected_ && obeyed_ && obeyed_->order == command.order && !gripper_->wants_each();
+  return connected_ && condition_.answers && obeyed_ && obeyed_->order == command.order &&
+         !gripper_->wants_each();
 }
 
 // Sends what is wanted now. A command that failed is wanted until there is a newer one.
@@ -81,11 +82,13 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
   lock.unlock();
   std::optional<GripperFacts> facts;
   std::string trouble;
+  bool stands = true;
   try {
     if (!connected) gripper_->connect();
     facts = gripper_->obey(command);
-  } catch (const GripperError& error) {
+  } catch (const std::exception& error) {
     trouble = error.what();
+    stands = dynamic_cast<const GripperFault*>(&error) != nullptr;
   }
   lock.lock();
   if (facts) obeyed_ = command;
@@ -93,7 +96,7 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
   if (trouble.empty())
     succeed(facts);
   else
-    fail(trouble);
+    fail(trouble, stands);
 }
 
 // What it has lost of the last command is wanted again.
@@ -102,10 +105,12 @@ void GripperThread::look(std::unique_lock<std::mutex>& lock) {
   lock.unlock();
   std::optional<GripperFacts> facts;
   std::string trouble;
+  bool stands = true;
   try {
     facts = gripper_->look(last);
-  } catch (const GripperError& error) {
+  } catch (const std::exception& error) {
     trouble = error.what();
+    stands = dynamic_cast<const GripperFault*>(&error) != nullptr;
   }
   lock.lock();
   if (facts) {
@@ -113,7 +118,7 @@ void GripperThread::look(std::unique_lock<std::mutex>& lock) {
     return;
   }
   if (!wanted_) wanted_ = last;
-  fail(trouble);
+  fail(trouble, stands);
 }
 
 void GripperThread::succeed(const std::optional<GripperFacts>& facts) {
@@ -123,9 +128,10 @@ void GripperThread::succeed(const std::optional<GripperFacts>& facts) {
   condition_ = {.answers = true, .trouble = {}, .facts = facts.value_or(condition_.facts)};
 }
 
-void GripperThread::fail(const std::string& what) {
+void GripperThread::fail(const std::string& what, bool connected) {
   if (condition_.trouble != what) log(LogLevel::error, what);
-  connected_ = busy_ = false;
+  connected_ = connected;
+  busy_ = false;
   condition_.answers = false;
   condition_.trouble = what;
 }

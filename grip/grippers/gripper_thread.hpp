@@ -38,7 +38,8 @@ class GripperThread {
   void attempt(std::unique_lock<std::mutex>& lock);
   void look(std::unique_lock<std::mutex>& lock);
   void succeed(const std::optional<GripperFacts>& facts);
-  void fail(const std::string& what);
+  // connected: it answers, but does not obey.
+  void fail(const std::string& what, bool connected);
 
   std::unique_ptr<Gripper> gripper_;
   mutable std::mutex mutex_;

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -17,13 +18,17 @@
 
 #include "bridges/support/unix_address.hpp"
 #include "grip/grippers/gripper.hpp"
+#include "schema/json_text.hpp"
 
 namespace slipd::grip {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::milliseconds;
 // No answer is longer, bytes.
 constexpr std::size_t kLongestLine = 4096;
+// A program that was started has its first answer by then: an interpreter takes seconds on a busy machine.
+constexpr std::chrono::seconds kStart{5};
 
 std::string why(int error) {
   return std::generic_category().message(error);
@@ -63,7 +68,10 @@ class LineGripper final : public Gripper {
     if (::send(fd_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT) !=
         static_cast<ssize_t>(line.size()))
       fail("takes no orders: " + why(errno));
-    return facts_of(answer());
+    const GripperFacts facts =
+        facts_of(answer(starts_ ? std::max<Milliseconds>(timeout_, kStart) : timeout_));
+    starts_ = false;
+    return facts;
   }
 
   bool wants_each() const override { return true; }
@@ -86,9 +94,11 @@ class LineGripper final : public Gripper {
   void connect_socket() {
     const auto address = bridges::unix_address(socket_path_);
     if (!address) fail("has a path that is too long for a socket");
-    fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)
-      fail("cannot be reached: " + why(errno) + "; start the program that listens there");
+    fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd_ >= 0 && ::connect(fd_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0)
+      return;
+    if (errno == EAGAIN) fail("takes no connection: the program that listens there hangs; start it anew");
+    fail("cannot be reached: " + why(errno) + "; start the program that listens there");
   }
 
   void start_program() {
@@ -109,11 +119,12 @@ class LineGripper final : public Gripper {
     ::close(ends[1]);
     if (error != 0) fail("cannot be started: " + why(error));
     child_ = child;
+    starts_ = true;
   }
 
   // The next line, within the time-out.
-  std::string answer() {
-    const auto until = Clock::now() + timeout_;
+  std::string answer(Milliseconds timeout) {
+    const auto until = Clock::now() + timeout;
     for (;;) {
       if (const auto end = read_.find('\n'); end != std::string::npos) {
         std::string line = read_.substr(0, end);
@@ -124,7 +135,7 @@ class LineGripper final : public Gripper {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
       pollfd ready{fd_, POLLIN, 0};
       if (left <= 0 || ::poll(&ready, 1, static_cast<int>(left)) == 0)
-        fail("did not answer within " + std::to_string(timeout_.count()) + " ms");
+        fail("did not answer within " + std::to_string(timeout.count()) + " ms");
       char bytes[512];
       const ssize_t got = ::recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT);
       if (got == 0) fail("has gone");
@@ -135,9 +146,9 @@ class LineGripper final : public Gripper {
 
   GripperFacts facts_of(const std::string& line) {
     const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
-    if (!said.is_object()) fail("answered what is no JSON object: " + line.substr(0, 80));
+    if (!said.is_object()) fail("answered what is no JSON object: " + plain(line.substr(0, 80)));
     if (const auto fault = said.find("fault"); fault != said.end() && fault->is_string())
-      fail("says: " + fault->get<std::string>());
+      throw GripperFault("gripper at " + place_ + " says: " + plain(fault->get<std::string>()));
     GripperFacts facts;
     if (const auto width = said.find("width_mm"); width != said.end() && width->is_number())
       facts.width_mm = *width;
@@ -148,11 +159,12 @@ class LineGripper final : public Gripper {
 
   std::string socket_path_;
   std::vector<std::string> program_;
-  std::chrono::milliseconds timeout_;
+  Milliseconds timeout_;
   std::string place_;
   int fd_ = -1;
   pid_t child_ = -1;
   std::string read_;
+  bool starts_ = false;  // the program has not answered yet
 };
 
 }  // namespace

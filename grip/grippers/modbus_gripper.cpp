@@ -74,7 +74,7 @@ class ModbusGripper final : public Gripper {
 
   const GripperProfile::Status& healthy(const GripperProfile::Status& status) const {
     if (status.fault)
-      throw GripperError("gripper at " + place_ + " tells of a fault: look at its display or lamp");
+      throw GripperFault("gripper at " + place_ + " tells of a fault: look at its display or lamp");
     return status;
   }
 
