@@ -75,6 +75,9 @@ class Converter {
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
       if (has_problem_at(found, at)) continue;
+      if (std::find(known.begin(), known.end(), list[i]["name"]) != known.end())
+        add(at + "/name", list[i]["name"],
+            "is the name of a sensor; expected another, as clients ask for both by name");
       s.grasps.push_back({list[i]["name"], list[i]["sensors"], poses(list[i], at)});
       if (!sensors_known) continue;
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {

@@ -24,7 +24,7 @@ bool names_us(const char* name) {
 
 // sd_notify(3), "Standalone implementations".
 void send(const std::string& text) {
-  send_datagram(environment_variable("NOTIFY_SOCKET"), text);
+  send_datagram(environment_variable("NOTIFY_SOCKET"), text, WhenFull::wait);
 }
 
 int option_of(int socket, int option) {

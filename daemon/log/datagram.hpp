@@ -5,9 +5,12 @@
 
 namespace slipd {
 
-// `address`: a path, or of an abstract socket with @ in front, 2 to 107 bytes; another is sent nothing. Waits
-// while the receiver has no room. An error is ignored: there is nowhere to tell it. All are sent from one
-// descriptor, which is there also when slipd has none left. Any thread.
-void send_datagram(std::string_view address, std::string_view bytes) noexcept;
+// While the receiver has no room: no longer than 0.1 s, as a receiver that hangs must not make slipd hang.
+enum class WhenFull { wait, lose };
+
+// `address`: a path, or of an abstract socket with @ in front, 2 to 107 bytes; another is sent nothing.
+// False: it was not sent. All are sent from one descriptor, which is there also when slipd has none left. Any
+// thread.
+bool send_datagram(std::string_view address, std::string_view bytes, WhenFull when_full) noexcept;
 
 }  // namespace slipd

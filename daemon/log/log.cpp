@@ -6,8 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "daemon/log/datagram.hpp"
 #include "daemon/log/journal.hpp"
@@ -30,8 +33,12 @@ bool on_journal() {
              std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
 }
 
-// Empty fields are left out.
-void write_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
+std::string lost_lines(std::uint64_t lost) {
+  return std::to_string(lost) + " log lines found no room and are lost";
+}
+
+// Empty fields are left out. False: journald has no room for it.
+bool send_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
   static constexpr std::string_view kPriorities[] = {"7", "7", "6", "4", "3", "2", "6"};
   JournalEntry entry;
   entry.add("MESSAGE", text)
@@ -39,7 +46,16 @@ void write_to_journal(spdlog::level::level_enum level, const LogContext& context
       .add("SYSLOG_IDENTIFIER", "slipd");
   if (!context.sensor.empty()) entry.add("SLIPD_SENSOR", context.sensor);
   if (context.cause != Cause::none) entry.add("SLIPD_CAUSE", to_string(context.cause));
-  send_datagram(kJournald, entry.bytes());
+  return send_datagram(kJournald, entry.bytes(), WhenFull::lose);
+}
+
+// What was lost while journald hung is told once it takes lines again.
+void write_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
+  static std::atomic<std::uint64_t> lost{0};  // relaxed: an independent count
+  if (const std::uint64_t told = lost.load(std::memory_order_relaxed);
+      told > 0 && send_to_journal(spdlog::level::warn, {{}, Cause::slipd}, lost_lines(told)))
+    lost.fetch_sub(told, std::memory_order_relaxed);
+  if (!send_to_journal(level, context, text)) lost.fetch_add(1, std::memory_order_relaxed);
 }
 
 class JournalSink : public spdlog::sinks::base_sink<std::mutex> {
@@ -89,8 +105,7 @@ void drain_logs(std::list<LogRing>& rings, LogLimit& limit) {
                   static_cast<const char*>(line.text));
     }
     if (const auto lost = ring.take_lost(); lost > 0)
-      write_log(LogLevel::warning, {{}, Cause::slipd},
-                std::to_string(lost) + " log lines found no room and are lost");
+      write_log(LogLevel::warning, {{}, Cause::slipd}, lost_lines(lost));
   }
   for (const LogLimit::Suppressed& suppressed : limit.take_expired(now)) {
     const LogLine& last = suppressed.last;

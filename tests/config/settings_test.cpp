@@ -262,6 +262,13 @@ TEST(Settings, WantSensorsAndGraspsThatCanBeToldApart) {
                                                "configuration; did you mean \"left\"?")}));
 }
 
+TEST(Settings, WantAGraspOfAnotherNameThanAnySensorHas) {
+  json document = whole_document();
+  document["grasps"][0]["name"] = document["sensors"][0]["name"];
+  EXPECT_THAT(problems_of(document),
+              ElementsAre(HasSubstr("/grasps/0/name = \"left\": is the name of a sensor")));
+}
+
 TEST(Settings, WantAPoseWithAxesForEachSensorOfAGrasp) {
   json document = whole_document();
   document["grasps"][0]["poses"][1]["x"] = {0, 0, 3};
