@@ -26,8 +26,7 @@ class CanSource {
     return {board, grasp.sensors, &grasp};
   }
 
-  // The source at `now_ns`, CLOCK_MONOTONIC. An estimate older than stale_after_ns is stale even if the
-  // estimate thread did not publish that, because that thread itself may be stuck. The alert is kept.
+  // The source at `now_ns`, CLOCK_MONOTONIC; see as_of.
   View view_at(std::int64_t now_ns) const noexcept;
 
  private:

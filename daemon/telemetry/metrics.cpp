@@ -7,7 +7,9 @@
 #include <sstream>
 #include <string>
 
+#include "daemon/board/as_of.hpp"
 #include "daemon/record/flight_recorder.hpp"
+#include "daemon/rt/clock.hpp"
 
 namespace slipd {
 namespace {
@@ -188,7 +190,7 @@ void add_states(Families& families, const ServiceContext& context, const Publish
                  const auto& torque_nm = published[i].estimate.torque_nm;
                  return torque_nm ? kMmPerM * *torque_nm : kUnknown;
                });
-  families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
+  families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip, 3 unknown.",
                [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });
   families.add("slipd_sliding", "gauge",
                "0 none, 1 disturbed, 2 translation, 3 rotation; only where the sensor can show it.",
@@ -256,7 +258,8 @@ void add_can(Families& families, const can::Report& can) {
 
 std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   PublishedBySensor published;
-  for (const auto& status : context.board.sensors) published.push_back(status->latest.load());
+  const std::int64_t now_ns = Now::read().monotonic_ns;
+  for (const auto& status : context.board.sensors) published.push_back(as_of(now_ns, *status));
   Families families(context, format);
   add_counts(families, context, published);
   families.implausible();

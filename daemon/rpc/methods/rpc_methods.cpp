@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "daemon/board/as_of.hpp"
 #include "daemon/can/dbc.hpp"
 #include "daemon/rpc/methods/attach_request.hpp"
 #include "daemon/rpc/methods/estimate_text.hpp"
@@ -138,7 +139,7 @@ std::string RpcMethods::gamma(const Params& params) {
     if (!all && i != only) continue;
     if (text.back() != '[') text += ',';
     const SensorStatus& status = *board.sensors[i];
-    const Estimate estimate = status.latest.load().estimate;
+    const Estimate estimate = as_of(now.monotonic_ns, status).estimate;
     const bool simulated = status.simulated.load(std::memory_order_relaxed);
     if (!cached_texts_[i].is_of(estimate, simulated))
       cached_texts_[i] = EstimateText(estimate, status.name, simulated);
@@ -149,7 +150,8 @@ std::string RpcMethods::gamma(const Params& params) {
     const GraspStatus& grasp = *board.grasps[i];
     if (!all && std::find(grasp.sensors.begin(), grasp.sensors.end(), only) == grasp.sensors.end()) continue;
     if (text.back() != '[') text += ',';
-    append_grasp(text, grasp.latest.load(), grasp.name, context_.settings.grasps[i].sensors);
+    append_grasp(text, as_of(now.monotonic_ns, board, grasp), grasp.name,
+                 context_.settings.grasps[i].sensors);
   }
   text += "]}";
   return text;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "daemon/board/as_of.hpp"
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
 #include "daemon/rt/clock.hpp"
@@ -116,7 +117,7 @@ bool receiving(const SensorStatus& status, const Published& published) {
 
 json sensor_status(const ServiceContext& context, std::size_t sensor) {
   const SensorStatus& status = *context.board.sensors[sensor];
-  const Published published = status.latest.load();
+  const Published published = as_of(Now::read().monotonic_ns, status);
   const DeviceFacts facts = status.facts();
   const FrameCounts& counts = published.counts;
   return {
@@ -253,7 +254,7 @@ json sensors_json(const ServiceContext& context) {
          {"method_reason", facts.method_reason.empty() ? json(nullptr) : json(facts.method_reason)},
          {"simulated", status.simulated.load(std::memory_order_relaxed)},
          {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
-         {"receiving", receiving(status, status.latest.load())},
+         {"receiving", receiving(status, as_of(Now::read().monotonic_ns, status))},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
   }
