@@ -21,7 +21,7 @@ const std::string* string_at(const json& object, const char* key) {
   return &object[key].get_ref<const std::string&>();
 }
 
-// Looks up each sensor's driver and checks the sensor's options by the driver's schema.
+// Looks up each sensor's driver and checks the sensor's options and device by the driver's schema.
 void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& problems) {
   if (!root.contains("sensors") || !root["sensors"].is_array()) return;
   if (has_problem_exactly_at(problems, "/sensors"))
@@ -42,11 +42,16 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
               drivers.why_not(*name)));
       continue;
     }
-    if (!sensor["options"].is_object()) continue;
+    const auto check_member = [&](const json& schema, const char* member) {
+      if (!sensor[member].is_object()) return;
+      for (auto& problem : check(schema, sensor[member], pointer_to(at, member)))
+        problems.push_back(std::move(problem));
+    };
     try {
       const json schema = parse_json_text(module->options_schema);
-      for (auto& problem : check(schema, sensor["options"], at + "/options"))
-        problems.push_back(std::move(problem));
+      check_member(schema, "options");
+      const json::json_pointer device("/$defs/device");
+      if (schema.contains(device)) check_member(schema[device], "device");
       // SchemaError, JsonTextError: the module is wrong, not the configuration
     } catch (const std::runtime_error& e) {
       problems.push_back(problem_of(at + "/driver", *name,

@@ -46,8 +46,8 @@ void print_option(const std::string& key, const json& option, std::ostream& out)
   out << '\n';
 }
 
-// slipd --list-drivers: every module, what it is for, and its options from its own schema. False if a module
-// cannot be used; the reason is printed in its place.
+// slipd --list-drivers: every module, what it is for, and its options and keys of `device` from its own
+// schema. False if a module cannot be used; the reason is printed in its place.
 bool list_drivers(slipd::DriverModules& drivers, std::ostream& out) {
   bool all_well = true;
   const auto names = drivers.names();
@@ -62,8 +62,13 @@ bool list_drivers(slipd::DriverModules& drivers, std::ostream& out) {
     }
     out << "  " << name << ": " << module->summary << '\n';
     const json schema = json::parse(module->options_schema, nullptr, false);
-    const json options = schema.is_object() ? schema.value("properties", json::object()) : json::object();
-    for (const auto& [key, option] : options.items()) print_option(key, option, out);
+    const auto print_all = [&](const char* properties, const std::string& prefix) {
+      const json::json_pointer at(properties);
+      if (!schema.contains(at)) return;
+      for (const auto& [key, option] : schema[at].items()) print_option(prefix + key, option, out);
+    };
+    print_all("/properties", "");
+    print_all("/$defs/device/properties", "device.");
   }
   return all_well;
 }

@@ -161,7 +161,8 @@ struct DriverModule {
   // What it is for, one line.
   const char* summary;
   // JSON text: a JSON Schema of an object, in the subset of schema/schema.hpp. Used for validation, defaults,
-  // `slipd --list-drivers` and the documentation.
+  // `slipd --list-drivers` and the documentation. Its "$defs"/"device" is the schema of the keys under
+  // `device`; without it they may be any.
   const char* options_schema;
   // Makes the driver of one device that has these sensors, at least one. Touches no device. Called from one
   // thread: io. Throws DriverError for options that the schema cannot exclude.

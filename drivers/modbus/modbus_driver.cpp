@@ -87,6 +87,7 @@ DeviceInfo ModbusDriver::open() {
   std::size_t longest = 0;
   for (const auto& rule : profile_.scan) longest = std::max(longest, rule.length);
   answer_.assign(longest, 0);
+  refuse_what_is_refused();
   due_ns_ = monotonic_ns();
   next_ = 0;
   unanswered_ = 0;
@@ -94,6 +95,18 @@ DeviceInfo ModbusDriver::open() {
           .serial = "",
           .simulated = false,
           .sensors = sensors_.info()};
+}
+
+// Asks once for each read of a scan. A device that does not answer now may do so later.
+void ModbusDriver::refuse_what_is_refused() {
+  for (std::size_t rule = 0; rule < profile_.scan.size(); ++rule) {
+    const RequestResult reply = request(rule, kAnswerPatience);
+    if (reply == RequestResult::refused)
+      throw DriverError(endpoint_.text + ": answers, but refuses register " +
+                        std::to_string(profile_.scan[rule].id) + ": " + modbus_strerror(error_) +
+                        ": wrong profile or device.unit, or the device is not ready");
+    if (reply != RequestResult::answered) return;
+  }
 }
 
 void ModbusDriver::close() noexcept {
@@ -118,11 +131,12 @@ ModbusDriver::RequestResult ModbusDriver::request(std::size_t rule,
     }
     return RequestResult::answered;
   }
-  const int error = errno;
+  error_ = errno;
   modbus_flush(context_.get());  // a late answer must not answer the next request
-  if (error == ETIMEDOUT) return RequestResult::late;
-  // libmodbus' own error numbers: an exception response or a malformed answer.
-  if (error >= MODBUS_ENOBASE) return RequestResult::refused;
+  if (error_ == ETIMEDOUT) return RequestResult::late;
+  // libmodbus' own error numbers: exceptions first, then malformed answers.
+  if (error_ > MODBUS_ENOBASE && error_ <= EMBXGTAR) return RequestResult::refused;
+  if (error_ >= MODBUS_ENOBASE) return RequestResult::malformed;
   return RequestResult::gone;
 }
 
@@ -142,7 +156,10 @@ ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseco
         request(rule, std::chrono::duration_cast<std::chrono::microseconds>(patience));
     if (reply != RequestResult::answered) {
       next_ = 0;
-      if (reply == RequestResult::gone || ++unanswered_ >= kGoneAfter) return {ReadStatus::disconnected, 0};
+      if (reply == RequestResult::gone) return {ReadStatus::disconnected, 0};
+      // A device that refuses is there: open() says what it refuses.
+      if (++unanswered_ >= kGoneAfter)
+        return {reply == RequestResult::refused ? ReadStatus::changed : ReadStatus::disconnected, 0};
       return {reply == RequestResult::late ? ReadStatus::timeout : ReadStatus::corrupt, 0};
     }
     unanswered_ = 0;

@@ -32,7 +32,7 @@ class ModbusDriver final : public DeviceDriver {
     void operator()(_modbus* context) const noexcept;
   };
   using Context = std::unique_ptr<_modbus, Closes>;
-  enum class RequestResult : std::uint8_t { answered, late, refused, gone };
+  enum class RequestResult : std::uint8_t { answered, late, refused, malformed, gone };
 
   // Where the device is: a host, or a serial line.
   struct Endpoint {
@@ -45,6 +45,8 @@ class ModbusDriver final : public DeviceDriver {
   };
 
   static Endpoint endpoint_of(const SensorSetup& sensor, const decode::ModbusMap& map);
+  // Throws DriverError if the device answers a read of the scan with an exception.
+  void refuse_what_is_refused();
   RequestResult request(std::size_t rule, std::chrono::microseconds patience) noexcept;
 
   decode::Profile profile_;
@@ -56,6 +58,7 @@ class ModbusDriver final : public DeviceDriver {
   std::int64_t due_ns_ = 0;  // of the next scan
   std::size_t next_ = 0;     // index of the read that continues the scan
   int unanswered_ = 0;       // consecutive requests without an answer
+  int error_ = 0;            // libmodbus' of the last such request
 };
 
 }  // namespace slipd::modbus

@@ -121,6 +121,20 @@ void CsvSource::refuse_beyond_layout(std::string_view column, const SensorSetup&
                     "\": give the sensor the file's layout, or name its taxels with the option taxels");
 }
 
+// Without a column time, Time or timestamp are meant as one, and would be ignored.
+void CsvSource::refuse_time_of_another_name() const {
+  for (const Column& column : columns_) {
+    std::string name = column.name;
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (column.channel != Channel::ignored || (name != "t" && !name.starts_with("time"))) continue;
+    throw DriverError(path_.string() + ": line 1, column " + std::to_string(&column - columns_.data() + 1) +
+                      ": " + column.name.substr(0, 24) +
+                      " is no name that is read: name it time if it is the rows' time in s, or take it out "
+                      "if rows are to be spaced by rate_hz");
+  }
+}
+
 void CsvSource::read_header(const SensorSetup& sensor) {
   std::string_view line;
   if (next_line(line) != Line::whole) {
@@ -153,6 +167,7 @@ void CsvSource::read_header(const SensorSetup& sensor) {
                       ", but the layout of sensor \"" + sensor.name + "\" has " + std::to_string(taxels_) +
                       " taxels: give the sensor the file's layout, or name the file of the tactile sensor");
   }
+  if (!has_time_) refuse_time_of_another_name();
   if (!has_time_ && !(rate_hz_ > 0)) {
     throw DriverError(path_.string() + ": has no column time: give the sensor a rate_hz");
   }

@@ -1,7 +1,7 @@
 // CSV as a source of frames: one line of column names, then a line per frame with txl1_x, txl1_y, txl1_z …
 // txlN_z in any order, N the layout's size, optionally `time` in s; other columns are ignored. The option
-// `taxels` names other columns. Without
-// `time`, rows are spaced by the sensor's rate_hz. A row with a missing value (empty, NA, nan, inf) is
+// `taxels` names other columns. Without `time`, rows are spaced by the sensor's rate_hz, and a column such as
+// `timestamp` is refused. A row with a missing value (empty, NA, nan, inf) is
 // corrupt; the next one is read on. Lines are read and numbers parsed in place: no allocation after
 // construction.
 #pragma once
@@ -43,6 +43,7 @@ class CsvSource final : public FrameSource {
   void read_header(const SensorSetup& sensor);
   Column column_of(std::string_view name, const SensorSetup& sensor) const;
   void refuse_beyond_layout(std::string_view column, const SensorSetup& sensor) const;
+  void refuse_time_of_another_name() const;
   // False: the field is no number. `complete` becomes false where the value is missing.
   bool store(const Column& column, std::string_view field, FrameSlot& out, bool& complete) const noexcept;
   ReadOutcome fail(std::size_t column, const char* what, std::string_view field) noexcept;

@@ -120,6 +120,7 @@ ReadOutcome Playlist::next(FrameSlot& out) noexcept {
                                       : static_cast<std::int64_t>(static_cast<std::uint64_t>(out.time_ns) -
                                                                   static_cast<std::uint64_t>(file_time_ns_));
   const auto frames = first_of_file_ ? 1 : static_cast<std::int64_t>(out.sequence - file_sequence_);
+  if (step_ns <= 0) ++unrisen_;
   first_of_file_ = false;
   frames_in_round_ = true;
   file_time_ns_ = out.time_ns;

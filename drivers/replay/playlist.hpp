@@ -25,6 +25,8 @@ class Playlist {
   ReadOutcome next(FrameSlot& out) noexcept;
   // What is damaged in the first damaged file, and where; empty: nothing that was met so far.
   std::string fault() const;
+  // Frames so far whose recorded time was not later than that of the frame before.
+  std::uint64_t unrisen() const noexcept { return unrisen_; }
 
   std::size_t files() const noexcept { return sources_.size(); }
   double rate_hz() const noexcept { return sources_.front()->rate_hz(); }
@@ -44,6 +46,7 @@ class Playlist {
   bool frames_in_round_ = false;             // false: a loop over empty files ends
   std::int64_t file_time_ns_ = 0, time_ns_;  // of the last frame, in the file and as returned
   std::uint64_t file_sequence_ = 0, sequence_ = 0;
+  std::uint64_t unrisen_ = 0;
 };
 
 }  // namespace slipd::replay

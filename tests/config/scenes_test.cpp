@@ -72,5 +72,46 @@ TEST(Scenes, AreAllValid) {
   EXPECT_GE(count, 4);
 }
 
+std::vector<std::string> problems_of_device(const std::string& driver, const nlohmann::json& device) {
+  const nlohmann::json document{{"sensors", {{{"name", "left"}, {"driver", driver}, {"device", device}}}}};
+  SourceCatalogue drivers;
+  try {
+    parse_settings(document.dump(), "t.json", drivers);
+  } catch (const SettingsError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+std::vector<std::string> mistaken(const std::string& key, const std::string& value,
+                                  const std::string& meant) {
+  return {"t.json: /sensors/0/device/" + key + " = " + value + ": is an unknown key; did you mean \"" +
+          meant + "\"?"};
+}
+
+TEST(Devices, WithAMisspeltKeyAreRefused) {
+  EXPECT_EQ(problems_of_device("modbus", {{"serial_line", "/dev/ttyUSB0"}, {"unti", 9}}),
+            mistaken("unti", "9", "unit"));
+  EXPECT_EQ(problems_of_device("serial", {{"path", "/dev/ttyUSB0"}, {"buad", 9600}}),
+            mistaken("buad", "9600", "baud"));
+  EXPECT_EQ(problems_of_device("usb", {{"serail", "123"}}), mistaken("serail", "\"123\"", "serial"));
+  EXPECT_EQ(problems_of_device("hid", {{"paht", "/dev/hidraw0"}}),
+            mistaken("paht", "\"/dev/hidraw0\"", "path"));
+  EXPECT_EQ(problems_of_device("can", {{"interface", "can0"}, {"fro", "skin"}}),
+            mistaken("fro", "\"skin\"", "for"));
+}
+
+TEST(Devices, TakeEveryKeyThatTheirDriverReadsAndOneForPeople) {
+  using testing::IsEmpty;
+  EXPECT_THAT(problems_of_device("modbus", {{"host", "h"}, {"port", 502}, {"unit", 9}, {"for", "a"}}),
+              IsEmpty());
+  EXPECT_THAT(problems_of_device("modbus", {{"serial_line", "l"}, {"baud", 19200}, {"unit", 9}}), IsEmpty());
+  EXPECT_THAT(problems_of_device("serial", {{"path", "p"}, {"baud", 9600}, {"for", "a"}}), IsEmpty());
+  EXPECT_THAT(problems_of_device("usb", {{"serial", "1"}, {"port", "1-2"}, {"for", "a"}}), IsEmpty());
+  EXPECT_THAT(problems_of_device("hid", {{"serial", "1"}, {"path", "p"}, {"for", "a"}}), IsEmpty());
+  EXPECT_THAT(problems_of_device("can", {{"interface", "can0"}, {"for", "a"}}), IsEmpty());
+  EXPECT_THAT(problems_of_device("sim", {{"port", "bus"}}), IsEmpty()) << "it reads none, and takes any";
+}
+
 }  // namespace
 }  // namespace slipd::test

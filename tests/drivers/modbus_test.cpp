@@ -136,6 +136,25 @@ TEST(ModbusDriver, SaysWhenTheDeviceIsGoneAndOpensItAgainWhenItIsBack) {
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
 
+TEST(ModbusDriver, SaysWhichRegisterADeviceOfAnotherProfileRefuses) {
+  Running device = rg2ft();
+  Host host({sensor("robotiq-ft300", {{"host", "127.0.0.1"}, {"port", device.port()}, {"unit", 65}})});
+  EXPECT_THAT(test::refusal_of([&] { host.driver.open(); }),
+              HasSubstr("unit 65: answers, but refuses register 180: Illegal data address: wrong profile"));
+}
+
+TEST(ModbusDriver, SaysWhatADeviceRefusesThatAnsweredBefore) {
+  Running device = rg2ft();
+  Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
+  host.driver.open();
+  ASSERT_TRUE(host.sees(ReadStatus::frame));
+  device.simulator().order("shorten 1000000");
+  ASSERT_TRUE(host.sees(ReadStatus::changed));
+  host.driver.close();
+  EXPECT_THAT(test::refusal_of([&] { host.driver.open(); }),
+              HasSubstr("refuses register 257: Illegal data address"));
+}
+
 TEST(ModbusDriver, KeepsTheProfilesRateAndItsSequence) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});

@@ -10,6 +10,7 @@
 
 #include "core/recording/recording.hpp"
 #include "drivers/pacing.hpp"
+#include "drivers/replay/playlist.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "tests/drivers/replay_fixture.hpp"
 
@@ -126,6 +127,32 @@ TEST_F(Replays, KeepTheTimesOfTheFileOrTheRateOfTheSensor) {
   const auto rated =
       play_whole(setup(file("b.csv", std::string(kTwoTaxels) + "\n1,1,1,1,1,1\n1,1,1,1,1,1\n")));
   EXPECT_EQ(rated.frames[1].time_ns - rated.frames[0].time_ns, 10000000);
+}
+
+TEST_F(Replays, CountTheRowsWhoseTimeDoesNotRise) {
+  const auto unrisen = [this](const std::vector<std::string>& times) {
+    std::string text = "time," + std::string(kTwoTaxels) + "\n";
+    for (const std::string& time : times) text += time + ",1,1,1,1,1,1\n";
+    const SensorSetup sensor = setup(file("a.csv", text));
+    Playlist list(sensor, parse_options(sensor));
+    OwnedSlot slot(2);
+    while (list.next(slot.slot) == ReadOutcome::frame) continue;
+    return list.unrisen();
+  };
+  EXPECT_EQ(unrisen({"7", "7.01", "7.02"}), 0U);
+  EXPECT_EQ(unrisen({"7", "7", "7"}), 2U) << "constant";
+  EXPECT_EQ(unrisen({"7", "7.01", "7.01", "7.02"}), 1U) << "repeated";
+  EXPECT_EQ(unrisen({"7", "7.01", "2", "2.01"}), 1U) << "jumps back";
+}
+
+TEST_F(Replays, AreRefusedIfTheirTimesHaveAnotherName) {
+  for (const std::string name : {"Time", "timestamp", "t", "TIME_S"}) {
+    const auto path = file("a.csv", std::string(kTwoTaxels) + "," + name + "\n1,1,1,1,1,1,7\n");
+    EXPECT_THAT(opening(setup(path)), HasSubstr("a.csv: line 1, column 7: " + name + " is no name that is"));
+  }
+  EXPECT_THAT(opening(setup(file("b.csv", "time," + std::string(kTwoTaxels) + ",timestamp\n"))), IsEmpty())
+      << "there is a time already";
+  EXPECT_THAT(opening(setup(file("c.csv", std::string(kTwoTaxels) + ",trial\n"))), IsEmpty());
 }
 
 TEST_F(Replays, AreRefusedWhenTheDataDoNotFitTheLayout) {

@@ -39,6 +39,7 @@ void print(const ReplayRun& run, const ReplaySummary& summary) {
   if (summary.repeated > 0)
     std::cerr << "  " << summary.repeated
               << " of the rows repeat the row before: they are no new measurement, and count for nothing\n";
+  for (const std::string& remark : remarks_on_time(run, summary)) std::cerr << "  " << remark << '\n';
 }
 
 void run_replay(const offline::Common& common, const CLI::App& command, const ReplayOptions& options) {

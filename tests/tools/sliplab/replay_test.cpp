@@ -233,6 +233,38 @@ TEST_F(Replay, CountsRowsThatRepeatTheOneBefore) {
   EXPECT_EQ(summarize(run(csv_of(often))).repeated, 3 * rows.size());
 }
 
+// The rows with `time_of` the row's number as time.
+template <class F>
+std::string timed_csv(const std::vector<std::string>& rows, F time_of) {
+  std::vector<std::string> lines = lines_of(csv_of(rows));
+  lines.front() = "time," + lines.front();
+  std::string text = lines.front();
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    text += "\n" + std::to_string(time_of(static_cast<double>(i))) + "," + lines[i];
+  return text + "\n";
+}
+
+TEST_F(Replay, TellsWhatIsWrongWithTheTimesOfAFile) {
+  const auto rows = pillar_rows(0.3);
+  const auto said = [&](auto time_of) {
+    const ReplayRun played = run(timed_csv(rows, time_of));
+    return remarks_on_time(played, summarize(played));
+  };
+  EXPECT_THAT(said([](double row) { return row / 100; }), IsEmpty());
+  EXPECT_THAT(said([](double row) { return row / 60; }), IsEmpty()) << "less than a factor of 3";
+  EXPECT_THAT(said([](double) { return 7; }), ElementsAre(HasSubstr("not later than the row before: 289,")));
+  EXPECT_THAT(said([](double row) { return row < 100 ? row / 100 : row / 100 - 0.5; }),
+              ElementsAre(HasSubstr("not later than the row before: 1,")));
+  EXPECT_THAT(said([](double row) { return 10 * row; }),
+              ElementsAre(StartsWith("by their times 0.1 rows come a second, by rate_hz 100")))
+      << "in ms";
+}
+
+TEST_F(Replay, HasNoRemarkOnAFileWithoutTimes) {
+  const ReplayRun played = run(csv_of(pillar_rows(0.3)));
+  EXPECT_THAT(remarks_on_time(played, summarize(played)), IsEmpty());
+}
+
 TEST_F(Replay, GivesAGraspOfTheSceneRowsOfItsOwn) {
   const std::string finger =
       R"("driver": "replay", "rate_hz": 100, "layout": { "grid": [3, 3], "pitch_mm": 7 },

@@ -131,6 +131,12 @@ Frame FileFrames::frame() const noexcept {
 std::int64_t FileFrames::time_ns() const noexcept {
   return impl_->slot.time_ns;
 }
+std::size_t FileFrames::unrisen() const noexcept {
+  return impl_->list ? impl_->list->unrisen() : 0;
+}
+std::optional<double> FileFrames::rate_hz() const noexcept {
+  return impl_->list ? std::optional(impl_->list->rate_hz()) : std::nullopt;
+}
 const std::string& FileFrames::fault() const noexcept {
   return impl_->fault;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,10 @@ class FileFrames {
   Outcome next();
   slipd::Frame frame() const noexcept;
   std::int64_t time_ns() const noexcept;
+  // Frames so far whose time in the file was not later than that of the frame before.
+  std::size_t unrisen() const noexcept;
+  // Frames a second that the file should have: by its header, or else the sensor's rate_hz; none: of a video.
+  std::optional<double> rate_hz() const noexcept;
   // Where and why the file could not be read to its end; empty: it was.
   const std::string& fault() const noexcept;
 

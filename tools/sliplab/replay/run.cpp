@@ -61,6 +61,8 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job, std::optional<
     run.repeated += last.repeats(frames.frame()) ? 1 : 0;
     out.time_s = static_cast<double>(time_ns) * 1e-9;
   }
+  run.unrisen = frames.unrisen();
+  run.wanted_rate_hz = frames.rate_hz();
   run.fault = frames.fault();
   return run;
 }

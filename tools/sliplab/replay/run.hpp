@@ -29,6 +29,10 @@ struct ReplayRun {
   std::vector<ReplayRow> rows;
   // Rows whose values are all those of the row before: the device was asked more often than it measured.
   std::size_t repeated = 0;
+  // Rows whose time in the file is not later than that of the row before; they are taken 1 ns after it.
+  std::size_t unrisen = 0;
+  // Rows a second that the file should have; none: nobody says.
+  std::optional<double> wanted_rate_hz = std::nullopt;
   // Where and why the file could not be read to its end; empty: it was.
   std::string fault;
   // Its number in the sweep over files and sensors; none: the run is of a grasp.

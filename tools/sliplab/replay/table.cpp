@@ -17,6 +17,8 @@ using slipd::Estimate;
 
 constexpr double kMmPerM = 1e3;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
+constexpr double kFarOffRate = 3;        // factor
+constexpr double kShortestStepS = 2e-9;  // longer than a step of which nothing is known, 1 ns
 
 void put(std::ostringstream& out, std::optional<double> value, double factor = 1) {
   out << ',';
@@ -25,6 +27,18 @@ void put(std::ostringstream& out, std::optional<double> value, double factor = 1
 
 bool in_contact(const Estimate& estimate) {
   return estimate.contact.value_or(estimate.normal_n.has_value());
+}
+
+std::optional<double> rate_of(const std::vector<ReplayRow>& rows) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double step_s = rows[i].time_s - rows[i - 1].time_s;
+    if (step_s > kShortestStepS) steps_s.push_back(step_s);
+  }
+  if (steps_s.empty()) return std::nullopt;
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), middle, steps_s.end());
+  return 1 / *middle;
 }
 
 }  // namespace
@@ -59,6 +73,8 @@ ReplaySummary summarize(const ReplayRun& run) {
   ReplaySummary summary;
   summary.rows = run.rows.size();
   summary.repeated = run.repeated;
+  summary.unrisen = run.unrisen;
+  summary.rate_hz = rate_of(run.rows);
   for (const ReplayRow& row : run.rows) {
     const Estimate& e = row.estimate;
     summary.contact += in_contact(e) ? 1 : 0;
@@ -84,8 +100,26 @@ nlohmann::json to_json(const ReplaySummary& s) {
           {"sliding_rows", s.sliding_rows},
           {"disturbed_rows", s.disturbed_rows},
           {"repeated_rows", s.repeated},
+          {"unrisen_rows", s.unrisen},
+          {"rate_hz", known(s.rate_hz)},
           {"first_slip_s", known(s.first_slip_s)},
           {"least_gamma", known(s.least_gamma)}};
+}
+
+std::vector<std::string> remarks_on_time(const ReplayRun& run, const ReplaySummary& summary) {
+  std::vector<std::string> remarks;
+  if (summary.unrisen > 0)
+    remarks.push_back("rows that are not later than the row before: " + std::to_string(summary.unrisen) +
+                      ", each taken 1 ns after it: mend the file's times");
+  if (!run.wanted_rate_hz || !(*run.wanted_rate_hz > 0) || !summary.rate_hz) return remarks;
+  const double factor = *summary.rate_hz / *run.wanted_rate_hz;
+  if (factor > 1 / kFarOffRate && factor < kFarOffRate) return remarks;
+  std::ostringstream out;
+  out.precision(3);
+  out << "by their times " << *summary.rate_hz << " rows come a second, by rate_hz " << *run.wanted_rate_hz
+      << ": correct rate_hz, or the file's times, which are in s";
+  remarks.push_back(out.str());
+  return remarks;
 }
 
 void draw(const std::vector<ReplayRun>& runs, const std::filesystem::path& svg) {
