@@ -183,9 +183,7 @@ void Publisher::take_grasp(const GraspEstimate& grasp) {
 }
 
 bool Publisher::serves(const std::string& name) const {
-  return slipd_ && (slipd_->has_sensor(name) ||
-                    std::any_of(slipd_->grasps.begin(), slipd_->grasps.end(),
-                                [&](const bridges::GraspFacts& grasp) { return grasp.name == name; }));
+  return slipd_ && slipd_->has(name);
 }
 
 // Whichever event brought it: the event of an alert may be lost, and slipd sends the estimate before it.
