@@ -6,6 +6,8 @@ namespace slipd::grip_ros2 {
 namespace {
 
 constexpr double kNsPerSecond = 1e9;
+// Of unlisted goals that are remembered: a server that refuses all gets one after the other.
+constexpr std::size_t kMostUnlisted = 100;
 
 }  // namespace
 
@@ -14,10 +16,10 @@ std::optional<Goal> Goals::due(const Order& order, std::int64_t now_ns) {
   const bool settled = previous_ == order;
   if (!previous_ || previous_ == sent_order_) changing_since_ns_ = now_ns;
   previous_ = order;
-  if (sent_order_ == order) return std::nullopt;
   const auto apart_ns = static_cast<std::int64_t>(kNsPerSecond / settings_.goals_per_s);
   const bool moves = !sent_order_ || sent_order_->move != order.move;
   const bool early = !moves && now_ns - sent_ns_ < apart_ns;
+  if (sent_order_ == order && (early || !ignored(now_ns))) return std::nullopt;
   const bool changing = !settled && now_ns - changing_since_ns_ < apart_ns;
   if (order.move != Move::open && (early || changing)) return std::nullopt;
   sent_order_ = order;
@@ -28,6 +30,8 @@ std::optional<Goal> Goals::due(const Order& order, std::int64_t now_ns) {
 
 void Goals::note_sent(const GoalId& goal, std::int64_t now_ns) {
   unlisted_.push_back({goal, now_ns});
+  // The first one stays: it says since when the server lists none.
+  if (unlisted_.size() > kMostUnlisted) unlisted_.erase(unlisted_.begin() + 1);
   newest_ = goal;
   aborted_ = refused_ = false;
 }
@@ -49,13 +53,19 @@ void Goals::forget() {
   aborted_ = refused_ = false;
 }
 
+bool Goals::late(const Sent& sent, std::int64_t now_ns) const {
+  return static_cast<double>(now_ns - sent.time_ns) / kNsPerSecond > settings_.accept_s;
+}
+
+bool Goals::ignored(std::int64_t now_ns) const {
+  return !unlisted_.empty() && late(unlisted_.back(), now_ns);
+}
+
 std::string Goals::trouble(std::int64_t now_ns) const {
   if (refused_)
     return "no goal can be sent: the action's server does not acknowledge those before, or memory is full; "
            "look at its node";
-  if (unlisted_.empty()) return {};
-  const double since_s = static_cast<double>(now_ns - unlisted_.front().time_ns) / kNsPerSecond;
-  if (since_s <= settings_.accept_s) return {};
+  if (unlisted_.empty() || !late(unlisted_.front(), now_ns)) return {};
   return "the action's server takes no goals: look at its log; if its node runs on another middleware, give "
          "\"middleware\"";
 }

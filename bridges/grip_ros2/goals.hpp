@@ -7,7 +7,8 @@
 // and goals come at a rate at most. Opening comes at once.
 //
 // No reply is waited for: on the wire it does not say whom it answers. That a goal was accepted shows in the
-// list of goals that the server publishes.
+// list of goals that the server publishes. One that does not show there in time is sent again, for as long as
+// its order stands.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ struct GoalSettings {
   double open_effort = 10;
   // Goals a second at most, above 0. Too few: forces come late. Too many: the server's list grows.
   double goals_per_s = 10;
-  // How long a goal may take until the server lists it, s, above 0.
+  // How long a goal may take until the server lists it, s, above 0. After it the goal is sent again.
   double accept_s = 1;
 };
 
@@ -48,7 +49,8 @@ class Goals {
  public:
   explicit Goals(const GoalSettings& settings) : settings_(settings) {}
 
-  // The goal that has to be sent now for an order; none: the last one stands. `now_ns`: of a steady clock.
+  // The goal that has to be sent now for an order; none: the last one stands. The same one again if the
+  // server does not list it in time. `now_ns`: of a steady clock.
   std::optional<Goal> due(const Order& order, std::int64_t now_ns);
   // The goal that was due was sent; or DDS refused it, and it is due again with the next order.
   void note_sent(const GoalId& goal, std::int64_t now_ns);
@@ -68,6 +70,10 @@ class Goals {
     GoalId goal;
     std::int64_t time_ns;
   };
+
+  bool late(const Sent& sent, std::int64_t now_ns) const;
+  // Whether the server does not list the newest goal in time.
+  bool ignored(std::int64_t now_ns) const;
 
   GoalSettings settings_;
   std::optional<Order> sent_order_;

@@ -42,9 +42,20 @@ void LiveRegisters::take(FoundBoard&& board) {
   log(LogLevel::notice, "slipd " + all.version + " has " + std::to_string(all.sensors.size()) +
                             " sensors and " + std::to_string(all.grasps.size()) + " grasps; " +
                             std::to_string(names_.size()) + " blocks are in use");
+  tell_unknown(all);
   if (wanted > names_.size())
     log(LogLevel::warning, "only " + std::to_string(kMostBlocks) + " of " + std::to_string(wanted) +
                                " sensors and grasps have a block; choose them with \"blocks\"");
+}
+
+// Names that slipd does not have, when they are others than before.
+void LiveRegisters::tell_unknown(const bridges::Inventory& all) {
+  std::string unknown;
+  for (const std::string& name : names_)
+    if (!all.has(name)) unknown += (unknown.empty() ? "\"" : ", \"") + name + "\"";
+  if (std::exchange(told_unknown_, unknown) == unknown || unknown.empty()) return;
+  log(LogLevel::warning, "slipd has no sensor or grasp " + unknown +
+                             ": such a block reads state 8; correct \"blocks\", or slipd's configuration");
 }
 
 void LiveRegisters::go_away(const std::string& why) {

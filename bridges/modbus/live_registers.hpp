@@ -26,6 +26,7 @@ class LiveRegisters {
 
  private:
   void take(FoundBoard&& board);
+  void tell_unknown(const bridges::Inventory& all);
   void go_away(const std::string& why);
 
   std::vector<std::string> names_;  // of the blocks
@@ -34,6 +35,7 @@ class LiveRegisters {
   client::Connection
       slipd_;  // attached once a board was found; the last one's records hold what still stands
   bool told_away_ = false;
+  std::string told_unknown_;
   std::int64_t alive_ms_ = 0;
   BoardFinder finder_;
 };

@@ -73,7 +73,8 @@ constexpr const char* kSetUp =
     " dropped INTEGER NOT NULL);"
     "INSERT OR IGNORE INTO facts VALUES (1, lower(hex(randomblob(16))), 0);"
     "CREATE TABLE IF NOT EXISTS begun (time_ns INTEGER NOT NULL);"
-    "CREATE INDEX IF NOT EXISTS begun_time ON begun (time_ns);";
+    "CREATE INDEX IF NOT EXISTS begun_time ON begun (time_ns);"
+    "CREATE TABLE IF NOT EXISTS standing (topic TEXT PRIMARY KEY, stands INTEGER NOT NULL);";
 
 constexpr std::int64_t kHourNs = std::int64_t{3600} * 1'000'000'000;
 
@@ -159,7 +160,7 @@ std::optional<std::int64_t> AlertStore::last_hour(std::int64_t now_ns) {
 }
 
 std::optional<std::int64_t> AlertStore::append(const std::string& topic, const MakePayload& payload,
-                                               std::int64_t begun_ns) {
+                                               std::int64_t begun_ns, int stands) {
   flush();
   const std::int64_t number = last_ + 1;
   const std::int64_t surplus = std::max<std::int64_t>(0, waiting_ + 1 - max_alerts_);
@@ -176,6 +177,10 @@ std::optional<std::int64_t> AlertStore::append(const std::string& topic, const M
         .bind(3, payload(number, dropped_ + surplus))
         .step();
     if (begun_ns > 0) note_begin(begun_ns);
+    Statement(database_.get(), "INSERT OR REPLACE INTO standing VALUES (?, ?)")
+        .bind(1, topic)
+        .bind(2, stands)
+        .step();
     run("COMMIT");
   } catch (const std::runtime_error& error) {
     sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
@@ -188,6 +193,17 @@ std::optional<std::int64_t> AlertStore::append(const std::string& topic, const M
   waiting_ += 1 - surplus;
   trouble_.clear();
   return number;
+}
+
+int AlertStore::standing(const std::string& topic) {
+  try {
+    Statement last(database_.get(), "SELECT stands FROM standing WHERE topic = ?");
+    last.bind(1, topic);
+    return last.step() ? static_cast<int>(last.number(0)) : 0;
+  } catch (const std::runtime_error& error) {
+    trouble_ = error.what();
+    return 0;
+  }
 }
 
 std::optional<StoredAlert> AlertStore::after(std::int64_t number) {

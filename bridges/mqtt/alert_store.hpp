@@ -39,9 +39,13 @@ class AlertStore {
 
   // Adds an alert behind all others, and returns its number. In a full store the oldest is dropped and
   // counted. None: it could not be written, which is counted as dropped. `begun_ns`: CLOCK_REALTIME, for
-  // last_hour(); 0: it is the end of an alert, which is not counted.
+  // last_hour(); 0: it is the end of an alert, which is not counted. `stands`: for standing().
   std::optional<std::int64_t> append(const std::string& topic, const MakePayload& payload,
-                                     std::int64_t begun_ns = 0);
+                                     std::int64_t begun_ns = 0, int stands = 0);
+
+  // `stands` of the alert of this topic that was appended last, also before a restart, and whether or not a
+  // broker has it. 0: there was none, or the disk refused to say.
+  int standing(const std::string& topic);
 
   // Alerts that were appended with a `begun_ns` of the hour up to `now_ns`, CLOCK_REALTIME, also before a
   // restart, and whether or not a broker has them; at most kMostCounted. None: the disk refused to say.

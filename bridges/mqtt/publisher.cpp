@@ -50,7 +50,8 @@ Publisher::Publisher(Settings settings, std::string version, bridges::Loop& loop
       tried_(settings_.store.string() + ".broker"),
       turns_(settings_.brokers.size(), {}, first_broker()),
       random_(std::random_device{}()),
-      states_({silence(), settings_.summary}),
+      states_({silence(), settings_.summary},
+              [this](const std::string& name) { return store_.standing(topic_of(name, "alert")); }),
       progress_at_(Clock::now()),
       told_dropped_(store_.dropped()),
       connecting_(loop, [this] { connect(); }),
@@ -116,8 +117,7 @@ void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
   const int stood = states_.standing_alert(now.name);
   states_.take(now, std::string(text), Clock::now());
   note_margin(now);
-  const bool ended = client::is_raised(stood) && now.alert == SLIPD_ALERT_NONE;
-  if (ended || (now.event == SLIPD_EVENT_ALERT && client::is_raised(estimate.alert))) take_alert(now, text);
+  take_alert(now, stood, text);
   if (now.event == SLIPD_EVENT_ESTIMATE) put_estimate(now, text);
   want_grasps(now);
   send();
@@ -178,23 +178,22 @@ void Publisher::take_grasp(const GraspEstimate& grasp) {
   const int stood = states_.standing_alert(now.name);
   const bool changed = states_.take(now, grasp.text, Clock::now());
   note_margin(now);
-  if (now.alert != stood && (client::is_raised(now.alert) || now.alert == SLIPD_ALERT_NONE))
-    take_alert(now, grasp.text);
+  take_alert(now, stood, grasp.text);
   if (changed || want_grasp_estimates_) put_estimate(now, grasp.text);
 }
 
 bool Publisher::serves(const std::string& name) const {
-  return slipd_ && (slipd_->has_sensor(name) ||
-                    std::any_of(slipd_->grasps.begin(), slipd_->grasps.end(),
-                                [&](const bridges::GraspFacts& grasp) { return grasp.name == name; }));
+  return slipd_ && slipd_->has(name);
 }
 
-void Publisher::take_alert(const slipd_estimate& estimate, std::string_view text) {
+// Whichever event brought it: the event of an alert may be lost, and slipd sends the estimate before it.
+void Publisher::take_alert(const slipd_estimate& estimate, int stood, std::string_view text) {
+  if (estimate.alert == stood || estimate.alert == SLIPD_ALERT_UNKNOWN) return;
   const auto payload = [&](std::int64_t number, std::int64_t dropped) {
     return alert_message(text, store_.series(), number, dropped);
   };
   store_.append(topic_of(estimate.name, "alert"), payload,
-                estimate.alert == SLIPD_ALERT_NONE ? 0 : realtime_ns());
+                estimate.alert == SLIPD_ALERT_NONE ? 0 : realtime_ns(), estimate.alert);
   if (!summary_is_near_) summary_.start(std::min<Clock::duration>(kSummaryAfterAlert, settings_.summary));
   summary_is_near_ = true;
   if (store_.dropped() == told_dropped_) return;

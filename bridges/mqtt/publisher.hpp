@@ -54,7 +54,8 @@ class Publisher : public bridges::Service {
   double feed_rate_hz() const;
   double patience_s() const;
   void take(const slipd_estimate& estimate, std::string_view text);
-  void take_alert(const slipd_estimate& estimate, std::string_view text);
+  // `stood`: the alert that stood until now.
+  void take_alert(const slipd_estimate& estimate, int stood, std::string_view text);
   void want_grasps(const slipd_estimate& estimate);
   void ask_grasps();
   void take_grasp(const GraspEstimate& grasp);

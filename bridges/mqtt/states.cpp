@@ -9,8 +9,8 @@
 namespace slipd::mqtt {
 
 bool States::take(slipd_estimate& estimate, std::string text, Time now) {
-  const auto [at, first] = states_.try_emplace(estimate.name);
-  State& state = at->second;
+  const bool first = !states_.contains(estimate.name);
+  State& state = state_of(estimate.name);
   if (estimate.alert != SLIPD_ALERT_UNKNOWN)
     state.stands = estimate.alert;
   else if (client::is_raised(state.stands))
@@ -28,7 +28,7 @@ bool States::take(slipd_estimate& estimate, std::string text, Time now) {
 }
 
 void States::lose(const std::string& name, std::string text) {
-  State& state = states_[name];
+  State& state = state_of(name);
   slipd_estimate& estimate = state.estimate;
   name.copy(estimate.name, sizeof(estimate.name) - 1);
   grow_old(estimate);
@@ -41,7 +41,15 @@ void States::lose(const std::string& name, std::string text) {
 
 int States::standing_alert(const std::string& name) const {
   const auto at = states_.find(name);
-  return at == states_.end() ? int{SLIPD_ALERT_NONE} : at->second.stands;
+  if (at != states_.end()) return at->second.stands;
+  return recorded_ ? recorded_(name) : int{SLIPD_ALERT_NONE};
+}
+
+States::State& States::state_of(const std::string& name) {
+  const int stands = standing_alert(name);
+  State& state = states_[name];
+  state.stands = stands;
+  return state;
 }
 
 std::vector<std::string> States::forget(const std::function<bool(const std::string& name)>& gone) {

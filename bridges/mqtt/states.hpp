@@ -1,5 +1,5 @@
 // What is known of each sensor and grasp, which alert of it stands, and when its retained topic `state` is
-// due: at each change, once a period, and when slipd has fallen silent. Pure: it has no clock. One thread's
+// due: at each change, once a period, and when slipd has fallen silent. It has no clock. One thread's
 // own.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slipd::mqtt {
@@ -37,7 +38,10 @@ class States {
     bool is_new = true;
   };
 
-  explicit States(StateTimes times) : times_(times) {}
+  // `recorded`: the alert of a name that was recorded last, none, warn or slip, which stands until something
+  // of the name is known; empty: none.
+  explicit States(StateTimes times, std::function<int(const std::string& name)> recorded = {})
+      : times_(times), recorded_(std::move(recorded)) {}
 
   // What slipd said, with its text. An alert that was raised stands where slipd does not know one: `estimate`
   // has it then. True: state or alert are others than before.
@@ -62,8 +66,11 @@ class States {
   void renew();
 
  private:
+  State& state_of(const std::string& name);
+
   std::map<std::string, State> states_;
   StateTimes times_;
+  std::function<int(const std::string& name)> recorded_;
 };
 
 }  // namespace slipd::mqtt

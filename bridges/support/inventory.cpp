@@ -65,6 +65,11 @@ bool Inventory::has_sensor(std::string_view name) const {
                      [&](const SensorFacts& each) { return each.name == name; });
 }
 
+bool Inventory::has(std::string_view name) const {
+  return has_sensor(name) ||
+         std::any_of(grasps.begin(), grasps.end(), [&](const GraspFacts& each) { return each.name == name; });
+}
+
 Inventory inventory_of(std::string_view version, std::string_view sensors, std::string_view gamma) {
   Inventory inventory;
   inventory.version = text_at(object_of(version, "version"), "version");

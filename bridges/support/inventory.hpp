@@ -41,6 +41,8 @@ struct Inventory {
   std::vector<GraspFacts> grasps;
 
   bool has_sensor(std::string_view name) const;
+  // A sensor or a grasp.
+  bool has(std::string_view name) const;
   bool operator==(const Inventory&) const = default;
 };
 

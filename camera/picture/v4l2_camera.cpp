@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -87,6 +88,10 @@ V4l2Camera::Device::~Device() {
   if (fd >= 0) close(fd);
 }
 
+void V4l2Camera::Unmap::operator()(std::byte* at) const noexcept {
+  munmap(at, size);
+}
+
 V4l2Camera::V4l2Camera(const std::string& device, const PictureWish& wish,
                        const std::map<std::string, int>& controls)
     : name_(device), wish_(wish), device_{open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)} {
@@ -105,7 +110,6 @@ V4l2Camera::V4l2Camera(const std::string& device, const PictureWish& wish,
 V4l2Camera::~V4l2Camera() {
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   ioctl_again(device_.fd, VIDIOC_STREAMOFF, &type);
-  for (const auto buffer : buffers_) munmap(buffer.data(), buffer.size());
 }
 
 void V4l2Camera::ask(unsigned long request, void* argument, const char* what) const {
@@ -175,7 +179,8 @@ void V4l2Camera::share_buffers() {
     ask(VIDIOC_QUERYBUF, &one, "shares no buffer");
     void* at = mmap(nullptr, one.length, PROT_READ | PROT_WRITE, MAP_SHARED, device_.fd, one.m.offset);
     if (at == MAP_FAILED) throw std::system_error(errno, std::generic_category(), name_ + ": mmap");
-    buffers_.emplace_back(static_cast<std::byte*>(at), one.length);
+    Buffer buffer(static_cast<std::byte*>(at), Unmap{one.length});
+    buffers_.push_back(std::move(buffer));
     ask(VIDIOC_QBUF, &one, "takes no buffer");
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -211,9 +216,9 @@ std::optional<Picture> V4l2Camera::next() {
     newest = one;
     have = true;
   }
-  const auto buffer = buffers_.at(newest.index);
-  const auto bytes =
-      std::span<const std::byte>(buffer).first(std::min<std::size_t>(newest.bytesused, buffer.size()));
+  const Buffer& buffer = buffers_.at(newest.index);
+  const std::span<const std::byte> bytes(buffer.get(),
+                                         std::min<std::size_t>(newest.bytesused, buffer.get_deleter().size));
   Decoded decoded = decode(bytes, wish_, stride_);
   Picture picture;
   picture.brightness = std::move(decoded.brightness);

@@ -5,7 +5,7 @@
 
 #include <cstddef>
 #include <map>
-#include <span>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,6 +32,12 @@ class V4l2Camera final : public PictureSource {
     int fd = -1;
     ~Device();
   };
+  // What the kernel fills, mapped into memory.
+  struct Unmap {
+    std::size_t size = 0;
+    void operator()(std::byte* at) const noexcept;
+  };
+  using Buffer = std::unique_ptr<std::byte, Unmap>;
   void set_format();
   void set_rate();
   void set_controls(const std::map<std::string, int>& controls);
@@ -44,7 +50,7 @@ class V4l2Camera final : public PictureSource {
   double rate_hz_ = 0;
   std::size_t stride_ = 0;
   Device device_;
-  std::vector<std::span<std::byte>> buffers_;
+  std::vector<Buffer> buffers_;
 };
 
 }  // namespace slipd::camera

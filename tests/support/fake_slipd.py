@@ -59,7 +59,9 @@ class FakeSlipd:
     def estimate(self, sensor, **members):
         self.send("estimate", self.message(sensor, **members))
 
-    def alert(self, sensor, level="slip", **members):
+    def alert(self, sensor, level=None, **members):
+        """Without a level another one than that which stands, as slipd tells of changes only: slip, or warn after slip."""
+        level = level or ("warn" if self.alerts.get(sensor) == "slip" else "slip")
         self.alerts[sensor] = level
         params = self.message(sensor, gamma=0.1, **members)
         self.send("alert", params)

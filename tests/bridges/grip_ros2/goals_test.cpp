@@ -115,6 +115,58 @@ TEST(Goals, AreInTroubleWhenTheServerDoesNotListOneInTime) {
   EXPECT_NE(goals.trouble(501 * kMs), "");
 }
 
+TEST(Goals, ThatTheServerListedAreNotSentAgainForTheSameOrder) {
+  Goals goals(settings());
+  ASSERT_TRUE(settled(goals, grip(3), 0));
+  goals.note_sent(id(1), 0);
+  goals.note_listed(listed(1));
+  EXPECT_FALSE(goals.due(grip(3), 10'000 * kMs));
+}
+
+// As slipd-grip orders while the gripper counts as gone: the same all the time.
+TEST(Goals, ThatTheServerDoesNotListInTimeAreSentAgainUntilItListsOne) {
+  Goals goals(settings());
+  std::uint8_t sent = 0;
+  for (int ms = 0; ms <= 10'000; ++ms) {
+    if (const auto goal = goals.due(grip(3), ms * kMs)) {
+      EXPECT_EQ(goal->effort, 6);
+      goals.note_sent(id(++sent), ms * kMs);
+    }
+    if (ms > 501) {
+      ASSERT_NE(goals.trouble(ms * kMs), "") << "none is listed yet, at " << ms << " ms";
+    }
+  }
+  EXPECT_GE(sent, 19);
+  EXPECT_LE(sent, 20) << "at most one each time that one may take";
+  goals.note_listed(listed(sent));
+  EXPECT_EQ(goals.trouble(20'000 * kMs), "");
+  EXPECT_FALSE(goals.due(grip(3), 20'000 * kMs));
+}
+
+TEST(Goals, ToOpenAreSentAgainToo) {
+  Goals goals(settings());
+  ASSERT_TRUE(goals.due({Move::open}, 0));
+  goals.note_sent(id(1), 0);
+  EXPECT_FALSE(goals.due({Move::open}, 500 * kMs));
+  EXPECT_TRUE(goals.due({Move::open}, 501 * kMs));
+}
+
+TEST(Goals, AreSentAgainAtTheirRateAtMostHoweverSoonTheServerShouldListThem) {
+  GoalSettings hasty = settings();
+  hasty.accept_s = 0.01;
+  Goals goals(hasty);
+  ASSERT_TRUE(settled(goals, grip(3), 0));
+  goals.note_sent(id(1), 0);
+  EXPECT_FALSE(goals.due(grip(3), 99 * kMs));
+  EXPECT_TRUE(goals.due(grip(3), 100 * kMs));
+}
+
+TEST(Goals, AreInTroubleHoweverManyTheServerDoesNotList) {
+  Goals goals(settings());
+  for (int i = 0; i < 1000; ++i) goals.note_sent(id(static_cast<std::uint8_t>(i)), i * 10 * kMs);
+  EXPECT_NE(goals.trouble(9991 * kMs), "") << "the newest is young, and the first was never listed";
+}
+
 TEST(Goals, AreInTroubleAlthoughNewOnesAreSentAllTheTime) {
   Goals goals(settings());
   for (std::uint8_t i = 0; i < 20; ++i) goals.note_sent(id(i), i * 100 * kMs);

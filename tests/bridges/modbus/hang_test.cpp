@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bridges/modbus/register_map.hpp"
+#include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/free_port.hpp"
 
@@ -175,6 +176,27 @@ TEST_F(ModbusWithoutSlipd, EveryPlcIsAnsweredAndToldWhileSlipdHangs) {
   EXPECT_TRUE(fresh.await(works));
   bridge_.signal(SIGTERM);
   EXPECT_EQ(bridge_.wait(), 0);
+}
+
+TEST_F(ModbusWithoutSlipd, NamesOfBlocksThatSlipdDoesNotHaveAreToldOnceUntilTheyChange) {
+  const int port = free_port();
+  const nlohmann::json settings{
+      {"port", port}, {"socket", slipd_->socket().string()}, {"blocks", {"right", "lefft", "rihgt"}}};
+  Program bridge(folder_, "misspelt",
+                 {(program_folder() / "slipd-modbus").string(), "--config",
+                  folder_.write("misspelt.json", settings.dump()).string()});
+  const std::string both = R"(slipd has no sensor or grasp "lefft", "rihgt")";
+  EXPECT_TRUE(await_errors(bridge, both));
+  const auto restart_slipd = [&] {
+    slipd_.reset();
+    slipd_ = std::make_unique<Daemon>(config_, trial_drivers());
+  };
+  restart_slipd();
+  EXPECT_TRUE(Poller(port).await([](const Answer& answer) { return answer[2] == 1; }));
+  config_["sensors"][0]["name"] = "lefft";
+  restart_slipd();
+  EXPECT_TRUE(await_errors(bridge, R"(slipd has no sensor or grasp "rihgt")"));
+  EXPECT_EQ(bridge.errors().find(both), bridge.errors().rfind(both)) << bridge.errors();
 }
 
 TEST_F(ModbusWithoutSlipd, EveryPlcIsAnsweredAndToldOnceSlipdWasKilled) {

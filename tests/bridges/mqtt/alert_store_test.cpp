@@ -61,6 +61,21 @@ TEST(AlertStore, CountsTheAlertsOfTheLastHourOverARestart) {
   EXPECT_EQ(store.last_hour(kStart), 0);  // the clock was set back; what is older was forgotten
 }
 
+TEST(AlertStore, RemembersWhichAlertOfATopicStandsOverARestart) {
+  const TempFolder folder;
+  {
+    AlertStore store(folder.file("a.db"), 1);  // which drops, and remembers all the same
+    for (const int stands : {1, 2}) store.append("left", numbered(), 1, stands);
+    store.append("right", numbered(), 1, 1);
+    store.append("right", numbered());  // its end
+    for (int i = 1; i <= 4; ++i) store.acknowledge(i);
+  }
+  AlertStore store(folder.file("a.db"), 1);
+  EXPECT_EQ(store.standing("left"), 2);
+  EXPECT_EQ(store.standing("right"), 0);
+  EXPECT_EQ(store.standing("nobody"), 0);
+}
+
 TEST(AlertStore, NeverUsesANumberTwice) {
   const TempFolder folder;
   {

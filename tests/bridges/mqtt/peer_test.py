@@ -165,6 +165,9 @@ class Peer(PeerTest):
                 raised = self.on_disk(bridge)
                 bridge.start()
                 await_true(self.slipd.subscribers, "the subscription at slipd")
+                for sensor in "left", "right":  # whichever was lost, this is a change
+                    self.slipd.alert(sensor, "none")
+                    raised += 1
             broker.start()
         await_true(lambda: len(set(reader.numbers())) >= raised, f"{raised} alerts, got {len(set(reader.numbers()))}; " + bridge.log())
         first_seen = list(dict.fromkeys(reader.numbers()))

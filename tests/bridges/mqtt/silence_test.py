@@ -75,6 +75,43 @@ class Silence(PeerTest):
         await_true(lambda: len(reader.alerts) == 3, "three alerts")
         self.assertEqual([(alert["number"], alert["alert"]) for alert in reader.alerts], [(1, "warn"), (2, "none"), (3, "slip")])
 
+    # As after a restart of slipd, or where slipd-mqtt read too slowly.
+    def test_an_alert_whose_event_was_lost_is_recorded_by_the_next_estimate(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        self.bridge(broker)
+        for level in "none", "warn", "warn", "slip", "none":
+            self.slipd.estimate("left", alert=level)
+        await_true(lambda: len(reader.alerts) == 3, "three alerts")
+        self.assertEqual([(alert["number"], alert["alert"]) for alert in reader.alerts], [(1, "warn"), (2, "slip"), (3, "none")])
+
+    # slipd sends the estimate of a frame first, then the event of its alert, then that of its state.
+    def test_an_alert_that_several_events_tell_of_is_recorded_once(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        self.bridge(broker)
+        for level in "slip", "none":
+            for event in "estimate", "alert", "state":
+                self.slipd.send(event, self.slipd.message("left", alert=level))
+        await_true(lambda: "none" in [alert["alert"] for alert in reader.alerts], "the end of the alert")
+        self.assertEqual([(alert["number"], alert["alert"]) for alert in reader.alerts], [(1, "slip"), (2, "none")])
+
+    def test_an_alert_that_stands_is_recorded_once_and_its_end_also_over_a_restart_of_the_bridge(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker)
+        self.slipd.alert("left", "slip")
+        await_true(lambda: reader.alerts, "the alert")
+        self.assertEqual(bridge.stop(), 0)
+        await_true(lambda: not self.slipd.subscribers(), "the end of the subscription")
+        bridge.start()
+        await_true(self.slipd.subscribers, "the subscription at slipd")
+        self.slipd.estimate("left")  # it still slips
+        self.slipd.estimate("right", alert="warn")  # which began meanwhile
+        self.slipd.alert("left", "none")
+        await_true(lambda: len(reader.alerts) >= 3, "the end of the alert")
+        self.assertEqual([(alert["sensor"], alert["alert"]) for alert in reader.alerts], [("left", "slip"), ("right", "warn"), ("left", "none")])
+
     def test_a_sensor_that_falls_silent_is_stale(self):
         broker = self.broker()
         reader = self.subscriber(broker.port)

@@ -108,6 +108,19 @@ TEST_F(TheStates, ARaisedAlertStandsWhileSlipdIsAwayAndUntilFramesShowItsEnd) {
   EXPECT_EQ(states_.standing_alert("left"), SLIPD_ALERT_NONE);
 }
 
+TEST_F(TheStates, AnAlertThatWasRecordedBeforeStandsUntilFramesShowItsEnd) {
+  states_ = States({milliseconds(500), seconds(10)}, [](const std::string& name) {
+    return name == "left" ? int{SLIPD_ALERT_SLIP} : int{SLIPD_ALERT_NONE};
+  });
+  EXPECT_EQ(states_.standing_alert("left"), SLIPD_ALERT_SLIP);
+  EXPECT_EQ(states_.standing_alert("right"), SLIPD_ALERT_NONE);
+  take("left", SLIPD_STATE_STALE, SLIPD_ALERT_UNKNOWN, milliseconds(0));
+  take("right", SLIPD_STATE_STALE, SLIPD_ALERT_UNKNOWN, milliseconds(0));
+  EXPECT_THAT(said(milliseconds(0)), ElementsAre("left stale slip", "right stale unknown"));
+  take("left", SLIPD_STATE_OK, SLIPD_ALERT_NONE, milliseconds(100));
+  EXPECT_EQ(states_.standing_alert("left"), SLIPD_ALERT_NONE);
+}
+
 TEST_F(TheStates, AnotherBrokerGetsAllOfThem) {
   take("left", SLIPD_STATE_OK, SLIPD_ALERT_NONE, milliseconds(0));
   take("right", SLIPD_STATE_OK, SLIPD_ALERT_NONE, milliseconds(0));

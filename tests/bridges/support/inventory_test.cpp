@@ -18,6 +18,9 @@ TEST(Inventory, HasTheSensorsAndGraspsInTheirOrder) {
   EXPECT_EQ(all, (Inventory{"0.1.0", {right, left}, {{"gripper", {"left", "right"}}}}));
   EXPECT_TRUE(all.has_sensor("left"));
   EXPECT_FALSE(all.has_sensor("gripper"));
+  EXPECT_TRUE(all.has("left"));
+  EXPECT_TRUE(all.has("gripper"));
+  EXPECT_FALSE(all.has("lefft"));
 }
 
 TEST(Inventory, TakesAKeyOfAnotherTypeForAbsent) {
