@@ -20,6 +20,12 @@ bool serves(const json& gamma, const std::string& sensor) {
   return gamma["sensors"].size() == 1 && gamma["sensors"][0]["sensor"] == sensor;
 }
 
+// What is said of the only sensor.
+bool is(const json& gamma, const std::string& state, const std::string& alert) {
+  const json& sensor = gamma["sensors"][0];
+  return sensor["state"] == state && sensor["alert"] == alert;
+}
+
 class Reload : public ::testing::Test {
  protected:
   // Replaces the configuration file and sends SIGHUP.
@@ -31,6 +37,15 @@ class Reload : public ::testing::Test {
   json only(const json& sensor) const { return config_with(folder_, json::array({sensor})); }
   // Only the log shows a reload that changed nothing.
   void await_error(const std::string& text) const { daemon_.wait_for_log(text); }
+  // Until so many configurations have been taken up.
+  void await_reloads(std::size_t count) {
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string text = "reload: the new configuration is in force";
+      ASSERT_TRUE(await_text(daemon_.program(), &Program::errors, text, from));
+      from = daemon_.program().errors().find(text, from) + text.size();
+    }
+  }
   const TempFolder folder_;
   Daemon daemon_{only(trial_sensor("left")), trial_drivers()};
 };
@@ -78,6 +93,29 @@ TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
   reload(only(trial_sensor("right")));
   daemon_.wait_for("gamma",
                    [](const json& r) { return serves(r, "right") && r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, ARaisedAlertStandsWithoutFrames) {
+  const auto gate = folder_.file("gate");
+  std::ofstream{gate};
+  const json slips = trial_sensor(
+      "left", {{"gamma", 0.05}, {"behaviour", "silent"}, {"after", 100}, {"gate", gate.string()}});
+  reload(only(slips));
+  daemon_.wait_for("gamma", [](const json& r) { return is(r, "stale", "slip"); });
+  std::filesystem::remove(gate);  // no frame comes any more
+  const json unchanged = only(slips);
+  const json cannot_open = only(trial_sensor("left", {{"behaviour", "throw_in_open"}}));
+  const json hangs = only(trial_sensor("left", {{"behaviour", "hang_in_open"}}));
+  std::size_t reloads = 1;
+  for (const json& next : {unchanged, cannot_open, hangs}) {
+    reload(next);
+    await_reloads(++reloads);
+    const json now = daemon_.client().result("gamma")["sensors"][0];
+    EXPECT_EQ(now["alert"], "slip") << now;
+    EXPECT_EQ(now["alert_cause"], "margin") << now;
+    if (next == cannot_open) daemon_.wait_for("gamma", [](const json& r) { return is(r, "fault", "slip"); });
+  }
   EXPECT_EQ(daemon_.stop(), 0);
 }
 
