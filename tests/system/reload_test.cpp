@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <array>
 #include <fstream>
 
 #include "tests/support/await_output.hpp"
@@ -26,6 +27,15 @@ bool is(const json& gamma, const std::string& state, const std::string& alert) {
   return sensor["state"] == state && sensor["alert"] == alert;
 }
 
+// Of a notification: method, sensor, state, alert.
+using Told = std::array<std::string, 4>;
+
+Told next_event(RpcClient& listener) {
+  const json told = listener.notification();
+  const json& params = told["params"];
+  return {told["method"], params["sensor"], params["state"], params["alert"]};
+}
+
 class Reload : public ::testing::Test {
  protected:
   // Replaces the configuration file and sends SIGHUP.
@@ -45,6 +55,11 @@ class Reload : public ::testing::Test {
       ASSERT_TRUE(await_text(daemon_.program(), &Program::errors, text, from));
       from = daemon_.program().errors().find(text, from) + text.size();
     }
+  }
+  // From ok and none on, `listener` is told when state or alert of left change.
+  void listen_to_left(RpcClient& listener) const {
+    daemon_.wait_for("gamma", [](const json& r) { return is(r, "ok", "none"); });
+    listener.result("subscribe", {{"sensors", {"left"}}, {"events", {"alert", "state"}}});
   }
   const TempFolder folder_;
   Daemon daemon_{only(trial_sensor("left")), trial_drivers()};
@@ -117,6 +132,45 @@ TEST_F(Reload, ARaisedAlertStandsWithoutFrames) {
     if (next == cannot_open) daemon_.wait_for("gamma", [](const json& r) { return is(r, "fault", "slip"); });
   }
   EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatADriverHangs) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("left", {{"behaviour", "hang_in_open"}})));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatADeviceCannotBeOpened) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("left", {{"behaviour", "throw_in_open"}})));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "fault", "unknown"}));
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatASensorIsGoneAndThatItIsBack) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("right")));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "fault", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "fault", "unknown"}));
+  reload(only(trial_sensor("left")));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  Told told;
+  do told = next_event(listener);
+  while (told[0] != "alert" || told[3] != "none");
+}
+
+TEST_F(Reload, TellsWhoWaitsForEstimatesThatItsSensorIsGone) {
+  auto subscriber = daemon_.client();
+  subscriber.result("subscribe", {{"sensors", {"left"}}});
+  reload(only(trial_sensor("right")));
+  while (next_event(subscriber) != Told{"estimate", "left", "fault", "unknown"}) {
+  }
 }
 
 TEST_F(Reload, EndsARecordingAndSaysSo) {
