@@ -44,6 +44,18 @@ bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   return unfinished_.empty();
 }
 
+void Engine::adopt_alerts(const Board& before) {
+  for (const auto& old : before.sensors) {
+    const Estimate last = old->latest.load().estimate;
+    const auto same = std::ranges::find(board_.sensors, old->name, &SensorStatus::name);
+    if (same == board_.sensors.end() || !is_raised(last.alert)) continue;
+    Published stands;
+    stands.estimate.alert = last.alert;
+    stands.estimate.alert_cause = last.alert_cause;
+    (*same)->latest.store(stands);
+  }
+}
+
 bool Engine::all_devices_tried() const {
   return std::none_of(board_.sensors.begin(), board_.sensors.end(), [](const auto& status) {
     return status->link.load(std::memory_order_relaxed) == DeviceLink::opening;

@@ -37,6 +37,10 @@ class Engine {
   }
   std::vector<LearnedState> release_learned_state() { return pipeline_.release_learned_state(); }
 
+  // Before start. Raised alerts of the configuration before, whose board this is, stand for sensors of the
+  // same name, whatever else of them changed, until their frames say otherwise.
+  void adopt_alerts(const Board& before);
+
   // Whether the first attempt to open each device has ended.
   bool all_devices_tried() const;
   // Whether each estimate thread has run since the last call, which was at least a quarter of a second ago.

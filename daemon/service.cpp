@@ -272,6 +272,7 @@ void Service::switch_to(std::unique_ptr<Engine> next) {
   drain_logs(engine_->board().logs, log_limit_);
   std::swap(engine_, next);
   log_limit_ = {};
+  engine_->adopt_alerts(next->board());
   if (clean) {
     engine_->adopt_learned_state(next->release_learned_state());
   } else {

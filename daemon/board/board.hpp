@@ -95,7 +95,7 @@ class SensorStatus {
   const std::string name;
   // The driver's name.
   const std::string driver;
-  // Written by one thread: estimate.
+  // Written by one thread: estimate; before that starts, by io.
   Latest<Published> latest;
   // From the sample to its published estimate. Written by one thread: estimate.
   LatencyHistogram latency;

@@ -71,6 +71,7 @@ EstimateLoop::EstimateLoop(Board& board, std::vector<std::unique_ptr<SensorRunti
 }
 
 void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
+  adopt_alerts();
   std::uint64_t requests = 0;
   for (;;) {
     const std::uint32_t rung = bell_.ring_count();  // before `stop`: a later stop ends the wait
@@ -90,6 +91,15 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
     if (!busy) bell_.wait(rung, wake_at);
   }
   for (SensorState& state : states_) adopt_instance(state, nullptr);
+}
+
+// The board may have alerts of the configuration before. Without the turn: acquire threads take it only after
+// this thread has made an estimate.
+void EstimateLoop::adopt_alerts() noexcept {
+  for (SensorState& state : states_) {
+    state.published = state.runtime->status.latest.load();
+    grasp_evaluator_.mark_updated(state.sensor);
+  }
 }
 
 // Looks at all its sensors; true if there was a frame. `wake_at`: when to look again if nothing rings.

@@ -63,6 +63,7 @@ class EstimateLoop {
     std::atomic<std::int64_t> estimate_ns{0};
   };
 
+  void adopt_alerts() noexcept;
   bool round(std::chrono::steady_clock::time_point& wake_at) noexcept;
   bool process(SensorState& state, std::int64_t now_ns) noexcept;
   void estimate_here(SensorState& state, std::int64_t now_ns) noexcept;

@@ -58,7 +58,6 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
       frames_pause_(io),
       statistics_timer_(io),
       metrics_file_(context.settings.metrics),
-      last_(context.board.sensors.size()),
       grasp_alerts_(context.board.grasps.size()),
       last_estimated_(context.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
@@ -76,10 +75,12 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) subscription.rebind(context.board);
   }
+  for (const auto& sensor : context.board.sensors) told_.push_back(&clients_.told[sensor->name]);
   context_.rates_hz.resize(context.board.sensors.size());
   context_.repeats_hz.resize(context.board.sensors.size());
   last_repeated_.resize(context.board.sensors.size());
   context_.latency_last_minute.resize(context.board.sensors.size());
+  had_memory([this] { tell_what_reload_changed(); });
   accept_when_ready();
   wait_for_events();
   judge_wakes();
@@ -206,38 +207,74 @@ void Server::trigger_on_grasp_slip() {
 }
 
 void Server::dispatch(const Event& event) {
-  LastNotified& last = last_[event.sensor];
+  Clients::Told& told = *told_[event.sensor];
+  const bool slips = event.estimate.alert == Alert::slip && told.alert != Alert::slip;
   if (context_.flight != nullptr) context_.flight->add_estimate(event.sensor, event.estimate);
-  notify_subscribers(event, EventKind::estimate);
-  if (event.estimate.alert != last.alert) {
-    notify_subscribers(event, EventKind::alert);
-    if (event.estimate.alert == Alert::slip && context_.flight != nullptr)
-      context_.flight->trigger(event.sensor, FlightRecorder::Reason::slip);
-  }
-  if (event.estimate.state != last.state) notify_subscribers(event, EventKind::state);
-  last = {event.estimate.state, event.estimate.alert};
+  notify_of_event(event, told);
+  if (slips && context_.flight != nullptr)
+    context_.flight->trigger(event.sensor, FlightRecorder::Reason::slip);
 }
 
-void Server::notify_subscribers(const Event& event, EventKind kind) {
+void Server::notify_of_event(const Event& event, Clients::Told& told) {
+  const SensorStatus& status = *context_.board.sensors[event.sensor];
+  notify_subscribers(event.estimate, status.name, status.simulated.load(std::memory_order_relaxed), told,
+                     [&](Subscription& subscription, EventKind kind, std::uint64_t& lost) {
+                       return subscription.accepts(event, kind, lost);
+                     });
+}
+
+// Before the first event: none may ever come, if a device cannot be opened or its driver hangs, and none
+// comes of sensors that the configuration does not have any more.
+void Server::tell_what_reload_changed() {
+  const std::int64_t now_ns = Now::read().monotonic_ns;
+  for (std::size_t i = 0; i < told_.size(); ++i) {
+    Event event{context_.board.sensors[i]->latest.load().estimate, static_cast<std::uint32_t>(i), 0};
+    event.estimate.published_ns = now_ns;
+    if (!told_[i]->holds(event.estimate)) notify_of_event(event, *told_[i]);
+  }
+  for (auto& [sensor, told] : clients_.told) {
+    Estimate gone;
+    gone.published_ns = now_ns;
+    gone.state = State::fault;
+    gone.alert = without_frames(told.alert);
+    gone.alert_cause = told.alert_cause;
+    if (std::ranges::find(told_, &told) != told_.end() || told.holds(gone)) continue;
+    notify_subscribers(gone, sensor, false, told,
+                       [&](const Subscription& subscription, EventKind kind, std::uint64_t&) {
+                         return subscription.wants(sensor, kind);
+                       });
+  }
+}
+
+// Sends the estimate, and events of what differs from what was told.
+template <typename Accepts>
+void Server::notify_subscribers(const Estimate& estimate, const std::string& sensor, bool simulated,
+                                Clients::Told& told, Accepts accepts) {
+  send_event(estimate, sensor, simulated, EventKind::estimate, accepts);
+  if (estimate.alert != told.alert) send_event(estimate, sensor, simulated, EventKind::alert, accepts);
+  if (estimate.state != told.state) send_event(estimate, sensor, simulated, EventKind::state, accepts);
+  told = {estimate.state, estimate.alert, estimate.alert_cause};
+}
+
+template <typename Accepts>
+void Server::send_event(const Estimate& estimate, const std::string& sensor, bool simulated, EventKind kind,
+                        Accepts accepts) {
   static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
   constexpr std::size_t kUsualBytes = 1024;
   std::shared_ptr<const Notification> head;  // made for the first subscriber
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) {
       std::uint64_t lost = 0;
-      if (!subscription.accepts(event, kind, lost)) continue;
+      if (!accepts(subscription, kind, lost)) continue;
       if (!head) {
-        const SensorStatus& status = *context_.board.sensors[event.sensor];
         std::string text;
         text.reserve(kUsualBytes);
         text += R"({"jsonrpc":"2.0","method":")";
         text += kMethods[static_cast<std::size_t>(kind)];
         text += R"(","params":)";
-        EstimateText(event.estimate, status.name, status.simulated.load(std::memory_order_relaxed))
-            .append_to(text, Now::read());
+        EstimateText(estimate, sensor, simulated).append_to(text, Now::read());
         text.pop_back();  // the closing brace: `dropped` is inserted before it
-        head =
-            std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});
+        head = std::make_shared<const Notification>(Notification{std::move(text), estimate.published_ns});
       }
       if (!had_memory([&] { client->notify(head, lost); })) client->close();
     }

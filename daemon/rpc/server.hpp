@@ -5,8 +5,10 @@
 #include <asio/io_context.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/steady_timer.hpp>
+#include <map>
 #include <memory>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "daemon/record/recorder.hpp"
@@ -21,6 +23,14 @@ namespace slipd {
 // The connected clients. They outlive a server, so that clients stay connected over a reload. Used by one
 // thread: io.
 struct Clients {
+  // What subscribers were last told of a sensor; first what a board says before anything is published.
+  struct Told {
+    State state = State::stale;
+    Alert alert = Alert::unknown;
+    AlertCause alert_cause = AlertCause::none;
+    // Whether no change has to be told.
+    bool holds(const Estimate& now) const noexcept { return now.state == state && now.alert == alert; }
+  };
   explicit Clients(asio::io_context& io) : owner(io) {}
   // Callbacks of the present server.
   Client::Owner owner;
@@ -28,6 +38,9 @@ struct Clients {
   std::set<std::shared_ptr<Client>> all;
   // Notifications dropped by clients that are closed.
   std::uint64_t dropped_by_closed = 0;
+  // By the sensors' names, so that subscribers are told after a reload what it changed. Also of those that
+  // are gone.
+  std::map<std::string, Told> told;
   // Closes all. Lines that wait are lost.
   void close_all();
   // Forgets those that are closed, unless their sockets cannot be let go yet: these keep their places.
@@ -45,10 +58,6 @@ class Server {
   Server& operator=(const Server&) = delete;
 
  private:
-  struct LastNotified {
-    State state = State::stale;
-    Alert alert = Alert::unknown;
-  };
   template <typename Body>
   auto while_alive(Body body);
   void accept_when_ready();
@@ -60,7 +69,14 @@ class Server {
   void judge_wakes();
   void complete_frames();
   void dispatch(const Event& event);
-  void notify_subscribers(const Event& event, EventKind kind);
+  void notify_of_event(const Event& event, Clients::Told& told);
+  void tell_what_reload_changed();
+  template <typename Accepts>
+  void notify_subscribers(const Estimate& estimate, const std::string& sensor, bool simulated,
+                          Clients::Told& told, Accepts accepts);
+  template <typename Accepts>
+  void send_event(const Estimate& estimate, const std::string& sensor, bool simulated, EventKind kind,
+                  Accepts accepts);
   void trigger_on_grasp_slip();
   void schedule_statistics();
   void update_statistics();
@@ -77,7 +93,7 @@ class Server {
   MetricsFile metrics_file_;
   std::shared_ptr<const bool> alive_ =
       std::make_shared<const bool>(true);  // expires with the server; handlers test it
-  std::vector<LastNotified> last_;         // per sensor, as last sent to subscribers
+  std::vector<Clients::Told*> told_;       // per sensor, in clients_.told
   std::vector<Alert> grasp_alerts_;        // per grasp, as last evaluated
   std::vector<std::uint64_t> last_estimated_, last_repeated_;
   std::chrono::steady_clock::time_point last_measured_;

@@ -72,6 +72,9 @@ TEST_F(SubscriptionTest, OnlyTheRequestedSensorsAndEventsAreSent) {
   event.sensor = 1;
   EXPECT_TRUE(subscription.accepts(event, EventKind::alert, lost_));
   EXPECT_FALSE(subscription.accepts(event, EventKind::estimate, lost_));
+  EXPECT_TRUE(subscription.wants("right", EventKind::alert));
+  EXPECT_FALSE(subscription.wants("left", EventKind::alert));
+  EXPECT_FALSE(subscription.wants("right", EventKind::state));
   EXPECT_THROW(Subscription(2, {{"sensors", {"middle"}}}, board_), rpc::Error);
   EXPECT_THROW(Subscription(2, {{"sensors", "left"}}, board_), rpc::Error);
   EXPECT_THROW(Subscription(2, {{"events", "alert"}}, board_), rpc::Error);

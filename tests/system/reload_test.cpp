@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <array>
 #include <fstream>
 
 #include "tests/support/await_output.hpp"
@@ -20,6 +21,21 @@ bool serves(const json& gamma, const std::string& sensor) {
   return gamma["sensors"].size() == 1 && gamma["sensors"][0]["sensor"] == sensor;
 }
 
+// What is said of the only sensor.
+bool is(const json& gamma, const std::string& state, const std::string& alert) {
+  const json& sensor = gamma["sensors"][0];
+  return sensor["state"] == state && sensor["alert"] == alert;
+}
+
+// Of a notification: method, sensor, state, alert.
+using Told = std::array<std::string, 4>;
+
+Told next_event(RpcClient& listener) {
+  const json told = listener.notification();
+  const json& params = told["params"];
+  return {told["method"], params["sensor"], params["state"], params["alert"]};
+}
+
 class Reload : public ::testing::Test {
  protected:
   // Replaces the configuration file and sends SIGHUP.
@@ -31,6 +47,20 @@ class Reload : public ::testing::Test {
   json only(const json& sensor) const { return config_with(folder_, json::array({sensor})); }
   // Only the log shows a reload that changed nothing.
   void await_error(const std::string& text) const { daemon_.wait_for_log(text); }
+  // Until so many configurations have been taken up.
+  void await_reloads(std::size_t count) {
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string text = "reload: the new configuration is in force";
+      ASSERT_TRUE(await_text(daemon_.program(), &Program::errors, text, from));
+      from = daemon_.program().errors().find(text, from) + text.size();
+    }
+  }
+  // From ok and none on, `listener` is told when state or alert of left change.
+  void listen_to_left(RpcClient& listener) const {
+    daemon_.wait_for("gamma", [](const json& r) { return is(r, "ok", "none"); });
+    listener.result("subscribe", {{"sensors", {"left"}}, {"events", {"alert", "state"}}});
+  }
   const TempFolder folder_;
   Daemon daemon_{only(trial_sensor("left")), trial_drivers()};
 };
@@ -79,6 +109,68 @@ TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
   daemon_.wait_for("gamma",
                    [](const json& r) { return serves(r, "right") && r["sensors"][0]["state"] == "ok"; });
   EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, ARaisedAlertStandsWithoutFrames) {
+  const auto gate = folder_.file("gate");
+  std::ofstream{gate};
+  const json slips = trial_sensor(
+      "left", {{"gamma", 0.05}, {"behaviour", "silent"}, {"after", 100}, {"gate", gate.string()}});
+  reload(only(slips));
+  daemon_.wait_for("gamma", [](const json& r) { return is(r, "stale", "slip"); });
+  std::filesystem::remove(gate);  // no frame comes any more
+  const json unchanged = only(slips);
+  const json cannot_open = only(trial_sensor("left", {{"behaviour", "throw_in_open"}}));
+  const json hangs = only(trial_sensor("left", {{"behaviour", "hang_in_open"}}));
+  std::size_t reloads = 1;
+  for (const json& next : {unchanged, cannot_open, hangs}) {
+    reload(next);
+    await_reloads(++reloads);
+    const json now = daemon_.client().result("gamma")["sensors"][0];
+    EXPECT_EQ(now["alert"], "slip") << now;
+    EXPECT_EQ(now["alert_cause"], "margin") << now;
+    if (next == cannot_open) daemon_.wait_for("gamma", [](const json& r) { return is(r, "fault", "slip"); });
+  }
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatADriverHangs) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("left", {{"behaviour", "hang_in_open"}})));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatADeviceCannotBeOpened) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("left", {{"behaviour", "throw_in_open"}})));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "fault", "unknown"}));
+}
+
+TEST_F(Reload, TellsWhoOnlyListensThatASensorIsGoneAndThatItIsBack) {
+  auto listener = daemon_.client();
+  listen_to_left(listener);
+  reload(only(trial_sensor("right")));
+  EXPECT_EQ(next_event(listener), (Told{"alert", "left", "fault", "unknown"}));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "fault", "unknown"}));
+  reload(only(trial_sensor("left")));
+  EXPECT_EQ(next_event(listener), (Told{"state", "left", "stale", "unknown"}));
+  Told told;
+  do told = next_event(listener);
+  while (told[0] != "alert" || told[3] != "none");
+}
+
+TEST_F(Reload, TellsWhoWaitsForEstimatesThatItsSensorIsGone) {
+  auto subscriber = daemon_.client();
+  subscriber.result("subscribe", {{"sensors", {"left"}}});
+  reload(only(trial_sensor("right")));
+  while (next_event(subscriber) != Told{"estimate", "left", "fault", "unknown"}) {
+  }
 }
 
 TEST_F(Reload, EndsARecordingAndSaysSo) {

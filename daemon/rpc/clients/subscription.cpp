@@ -46,10 +46,15 @@ Subscription::Subscription(int id, const nlohmann::json& params, const Board& bo
 
 void Subscription::rebind(const Board& board) {
   sensors_.assign(board.sensors.size(), Delivery{});
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    sensors_[i].wanted =
-        !names_ || std::find(names_->begin(), names_->end(), board.sensors[i]->name) != names_->end();
-  }
+  for (std::size_t i = 0; i < sensors_.size(); ++i) sensors_[i].wanted = selects(board.sensors[i]->name);
+}
+
+bool Subscription::selects(const std::string& sensor) const {
+  return !names_ || std::find(names_->begin(), names_->end(), sensor) != names_->end();
+}
+
+bool Subscription::wants(const std::string& sensor, EventKind kind) const {
+  return events_[static_cast<std::size_t>(kind)] && selects(sensor);
 }
 
 bool Subscription::accepts(const Event& event, EventKind kind, std::uint64_t& lost) {

@@ -33,6 +33,9 @@ class Subscription {
   // Applies the subscription to the sensors of another board. Sensors selected by name are matched by name.
   void rebind(const Board& board);
 
+  // Whether it is of this kind and of the sensor of this name, which need not be on the board.
+  bool wants(const std::string& sensor, EventKind kind) const;
+
   // Whether to send this event now. Estimates are thinned to max_rate_hz; one whose state differs from the
   // last one sent is always sent, so that the client's last estimate never has an old state. Sets `lost` to
   // the events lost since the last one sent.
@@ -46,6 +49,8 @@ class Subscription {
     std::int64_t next_due_ns = 0;
     std::uint64_t lost = 0;
   };
+  bool selects(const std::string& sensor) const;
+
   int id_;
   std::int64_t interval_ns_ = 0;
   bool events_[kEventKinds] = {};
