@@ -173,16 +173,20 @@ Outcome Reader::read(const Message& message, Reading& out) {
   out.sent_s.reset();
   double number = 0;
   if (profile_.sequence) {
-    if (!number_at(*profile_.sequence, document, message.body, number) || number < 0 ||
-        number > kLargestCount)
+    const std::size_t bytes = profile_.sequence->wrapping_bytes();
+    if (!number_at(*profile_.sequence, document, message.body, number) ||
+        (bytes == 0 && (number < 0 || number > kLargestCount)))
       return refuse(Outcome::corrupt, describe(*profile_.sequence) + " is no count");
-    out.sequence = static_cast<std::uint64_t>(number);
+    out.sequence = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
+    out.sequence_bytes = bytes == 0 ? sizeof *out.sequence : bytes;
   }
   if (profile_.time) {
     if (!number_at(*profile_.time, document, message.body, number) ||
         std::abs(number * profile_.time_unit_s) > kLargestTimeS)
       return refuse(Outcome::corrupt, describe(*profile_.time) + " is no time");
     out.sent_s = number * profile_.time_unit_s;
+    const std::size_t bytes = profile_.time->wrapping_bytes();
+    out.sent_range_s = bytes == 0 ? 0 : std::exp2(8 * bytes) * profile_.time_unit_s;
   }
   return Outcome::frame;
 }
