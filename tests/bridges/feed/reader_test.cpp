@@ -42,5 +42,52 @@ TEST(Reader, KnowsNoWrapOfNumbersInATextOrOfReals) {
   }
 }
 
+// What becomes of a JSON text whose "values" are these, of a sensor of two taxels.
+class JsonValues : public testing::Test {
+ protected:
+  Outcome read(const std::string& values) {
+    return read_text(R"({ "device": "a", "values": )" + values + " }");
+  }
+  Outcome read_text(const std::string& text) {
+    const std::vector<std::uint8_t> body(text.begin(), text.end());
+    return reader_.read({{}, body}, reading_);
+  }
+  const std::string& why() const { return reader_.why(); }
+
+ private:
+  Reader reader_{parse_profile(profile_of(R"("format": "json", "taxels": 2, "device": "/device",
+    "usual_device": "a", "values": { "at": "/values" })"),
+                               "cell", {})};
+  Reading reading_;
+};
+
+std::string nested(std::size_t levels, const std::string& inner) {
+  return std::string(levels, '[') + inner + std::string(levels, ']');
+}
+
+TEST_F(JsonValues, AreATextAListOrAListOfLists) {
+  for (const auto* const values : {R"("1,2")", "[1, 2]", "[[1], [2]]", "[[1, 2]]"})
+    EXPECT_EQ(read(values), Outcome::frame) << values;
+  EXPECT_EQ(read("[[[1, 2]]]"), Outcome::corrupt);
+  EXPECT_EQ(why(), "/values has not the 2 numbers of 2 taxels in a text, a list or a list of lists");
+}
+
+TEST_F(JsonValues, NestedAMillionDeepAreRefused) {
+  constexpr std::size_t kLevels = 1'900'000;  // 3.8 MB
+  EXPECT_EQ(read(nested(kLevels, "1")), Outcome::corrupt);
+  EXPECT_EQ(why(), "the message is no JSON text, or is nested more than 16 deep");
+  EXPECT_EQ(read_text(R"({ "device": )" + nested(kLevels, "1") + "}"), Outcome::corrupt);
+  EXPECT_EQ(read_text(std::string(kLevels, '[')), Outcome::corrupt) << "cut off";
+}
+
+TEST_F(JsonValues, MayStandBesideWhatIsNestedLess) {
+  const auto beside = [&](const std::string& what) {
+    return read_text(R"({ "device": "a", "values": [1, 2], "more": )" + what + "}");
+  };
+  EXPECT_EQ(beside(nested(15, "1")), Outcome::frame);
+  EXPECT_EQ(beside(nested(16, "1")), Outcome::corrupt);
+  EXPECT_EQ(beside(R"("\"[[[[[[[[[[[[[[[[[[[[\\")"), Outcome::frame) << "a text is no list";
+}
+
 }  // namespace
 }  // namespace slipd::feed
