@@ -53,4 +53,11 @@ inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
   return static_cast<std::int32_t>(raw << unused) >> unused;  // C++20: arithmetic
 }
 
+// From `before` to `now`, the shorter way round: both count in `bytes` bytes, 1 to 8, and wrap. Negative:
+// back.
+constexpr std::int64_t steps(std::uint64_t before, std::uint64_t now, std::size_t bytes) noexcept {
+  const std::size_t unused = 64U - 8U * bytes;
+  return static_cast<std::int64_t>((now - before) << unused) >> unused;  // C++20: arithmetic
+}
+
 }  // namespace slipd::wire

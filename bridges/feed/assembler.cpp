@@ -6,10 +6,10 @@
 namespace slipd::feed {
 namespace {
 
-// Messages of which parts are awaited. Fewer: datagrams that overtake each other lose messages. More: memory,
-// and messages that lost a part are counted later.
-constexpr std::size_t kMostOpen = 8;
-// Parts of a message. Fewer: large frames are refused. More: memory for a hostile sender.
+// The last messages that began; of those before, no parts are awaited. Fewer: datagrams that overtake each
+// other lose messages. More: memory, and messages that lost a part are counted later.
+constexpr std::size_t kMostEntries = 8;
+// Parts of a message-> Fewer: large frames are refused. More: memory for a hostile sender.
 constexpr std::size_t kMostParts = 256;
 
 }  // namespace
@@ -18,15 +18,18 @@ std::uint64_t Assembler::count(const HeaderCount& where, Bytes datagram) const {
   return wire::read_bits(datagram.data() + where.offset, where.type.bytes, where.type.big_endian);
 }
 
-std::list<Assembler::Open>::iterator Assembler::open(const std::string& sender, std::uint64_t number,
-                                                     std::size_t parts) {
-  const auto same = [&](const Open& one) { return one.number == number && one.sender == sender; };
-  if (const auto found = std::ranges::find_if(open_, same); found != open_.end()) return found;
-  if (open_.size() == kMostOpen) {
-    open_.pop_front();
-    ++lost_;
+void Assembler::give_up(const Entry& entry) noexcept {
+  if (!entry.whole) ++lost_;
+}
+
+std::list<Assembler::Entry>::iterator Assembler::entry(const std::string& sender, std::uint64_t number) {
+  const auto same = [&](const Entry& one) { return one.number == number && one.sender == sender; };
+  if (const auto found = std::ranges::find_if(entries_, same); found != entries_.end()) return found;
+  if (entries_.size() == kMostEntries) {
+    give_up(entries_.front());
+    entries_.pop_front();
   }
-  return open_.insert(open_.end(), Open{sender, number, std::vector<std::vector<std::uint8_t>>(parts), 0});
+  return entries_.insert(entries_.end(), Entry{sender, number, {}});
 }
 
 Assembler::Result Assembler::put(const std::string& sender, Bytes datagram, Message& out) {
@@ -34,19 +37,27 @@ Assembler::Result Assembler::put(const std::string& sender, Bytes datagram, Mess
   const std::uint64_t number = count(rule_.message, datagram);
   const std::uint64_t part = count(rule_.part, datagram), last = count(rule_.last, datagram);
   if (last >= kMostParts || part > last || (has_head_ && last == 0)) return Result::corrupt;
-  const auto message = open(sender, number, last + 1);
+  const auto message = entry(sender, number);
+  if (message->come == 0) message->parts.resize(last + 1);
   if (message->parts.size() != last + 1) return Result::corrupt;
-  std::vector<std::uint8_t>& place = message->parts[part];
-  if (!place.empty()) return Result::corrupt;  // twice
-  place.assign(datagram.begin() + static_cast<std::ptrdiff_t>(rule_.header), datagram.end());
+  const Bytes content = datagram.subspan(rule_.header);
+  if (const auto& before = message->parts[part]; !before.empty()) {
+    if (std::ranges::equal(before, content)) return Result::corrupt;  // twice
+    // Another message of the same number, such as of a sender that began anew.
+    give_up(*message);
+    *message = {sender, number, Parts(last + 1)};
+    entries_.splice(entries_.end(), entries_, message);
+  }
+  message->parts[part].assign(content.begin(), content.end());
   if (++message->come <= last) return Result::incomplete;
 
-  whole_ = std::move(*message);
-  open_.erase(message);
+  message->whole = true;
+  message->come = 0;
+  parts_ = std::exchange(message->parts, {});
   body_.clear();
-  for (std::size_t i = has_head_ ? 1 : 0; i < whole_.parts.size(); ++i)
-    body_.insert(body_.end(), whole_.parts[i].begin(), whole_.parts[i].end());
-  out = {has_head_ ? Bytes(whole_.parts.front()) : Bytes(), body_};
+  for (std::size_t i = has_head_ ? 1 : 0; i < parts_.size(); ++i)
+    body_.insert(body_.end(), parts_[i].begin(), parts_[i].end());
+  out = {has_head_ ? Bytes(parts_.front()) : Bytes(), body_};
   return Result::message;
 }
 

@@ -21,23 +21,27 @@ class Assembler {
   // A datagram of `sender`, whose messages are apart from those of others. `out` is valid until the next
   // call.
   Result put(const std::string& sender, Bytes datagram, Message& out);
-  // Messages of which parts were missing when newer ones had come.
+  // Messages of which parts were missing when so many newer ones had begun that they were given up, or when
+  // another message had their number.
   std::uint64_t lost() const noexcept { return lost_; }
 
  private:
-  struct Open {
+  using Parts = std::vector<std::vector<std::uint8_t>>;
+  struct Entry {
     std::string sender;
     std::uint64_t number = 0;
-    std::vector<std::vector<std::uint8_t>> parts;  // empty: has not come; none is empty
+    Parts parts;  // empty: has not come; none is empty
     std::size_t come = 0;
+    bool whole = false;  // has been; what comes of it now came twice
   };
-  std::list<Open>::iterator open(const std::string& sender, std::uint64_t number, std::size_t parts);
+  std::list<Entry>::iterator entry(const std::string& sender, std::uint64_t number);
+  void give_up(const Entry& entry) noexcept;
   std::uint64_t count(const HeaderCount& where, Bytes datagram) const;
 
   Datagrams rule_;
   bool has_head_;
-  std::list<Open> open_;  // the oldest first
-  Open whole_;
+  std::list<Entry> entries_;  // of the last messages that began, the oldest first
+  Parts parts_;               // of the last whole message
   std::vector<std::uint8_t> body_;
   std::uint64_t lost_ = 0;
 };

@@ -12,11 +12,26 @@ using nlohmann::json;
 
 // Of a head. Fewer: heads of many sensors are refused. More: aliases of aliases take memory and time.
 constexpr int kMostYamlValues = 4096;
-constexpr int kDeepestYaml = 16;
+
+// Right of a JSON text; of what is none, anything.
+bool nested_too_deeply(std::span<const std::uint8_t> text) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::uint8_t c = text[i];
+    if (c == '"') quoted = !quoted;
+    if (quoted && c == '\\') ++i;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepestDocument) return true;
+  }
+  return false;
+}
 
 // Scalars that look like numbers are numbers. False: too many values, or nested too deeply.
 bool convert(const YAML::Node& node, json& out, int& left, int depth) {
-  if (--left < 0 || depth > kDeepestYaml) return false;
+  if (--left < 0 || depth > kDeepestDocument) return false;
   if (node.IsSequence()) {
     out = json::array();
     for (const YAML::Node& element : node)
@@ -42,6 +57,7 @@ bool convert(const YAML::Node& node, json& out, int& left, int depth) {
 }  // namespace
 
 bool parse_json(std::span<const std::uint8_t> text, json& out) {
+  if (nested_too_deeply(text)) return false;
   out = json::parse(text.begin(), text.end(), nullptr, false);
   return !out.is_discarded();
 }

@@ -33,7 +33,8 @@ void Feeds::listen(const Settings& settings) {
     std::optional<Assembler> assembler;
     if (feed.profile.datagrams)
       assembler.emplace(*feed.profile.datagrams, feed.profile.format == Format::yaml_head);
-    ports[{feed.from.host, feed.from.port}].push_back({lanes_[i].get(), std::move(assembler), feed.sender});
+    ports[{feed.from.host, feed.from.port}].push_back(
+        {lanes_[i].get(), std::move(assembler), feed.sender, feed.profile.sequence.has_value()});
   }
   for (auto& [at, listeners] : ports) {
     try {

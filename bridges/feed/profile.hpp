@@ -45,6 +45,10 @@ struct Place {
   std::string name;                   // in the head's list; empty: not by a name
   wire::NumberType type;              // of numbers at an offset or name
   std::size_t behind = 0;             // bytes behind the last value at an offset
+  // Of a count or clock here, after which it wraps. 0: in a text or a real, which do not.
+  std::size_t wrapping_bytes() const noexcept {
+    return at.empty() && type.kind != wire::NumberKind::real ? type.bytes : 0;
+  }
 };
 
 // A number that messages have while the device measures.

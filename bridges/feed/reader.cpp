@@ -19,6 +19,9 @@ constexpr double kLargestCount = 9007199254740992.0;  // 2^53
 // Of any clock, so that it can be counted in ns.
 constexpr double kLargestTimeS = 4e9;
 
+// Of numbers within each other: a list of lists.
+constexpr int kMostLists = 2;
+
 // Null: there is nothing.
 const json* at(const json& document, const std::string& pointer) {
   try {
@@ -45,16 +48,17 @@ bool split(std::string_view text, int base, std::vector<double>& out) {
   return true;
 }
 
-// A number, a list of numbers, a list of lists, or a text of numbers. Stops when there are more than `most`.
-bool flatten(const json& value, int base, std::size_t most, std::vector<double>& out) {
+// A number, a text of numbers, or lists of these, at most `lists` within each other. Stops when there are
+// more than `most`.
+bool flatten(const json& value, int base, std::size_t most, int lists, std::vector<double>& out) {
   if (value.is_number()) {
     out.push_back(value.get<double>());
     return true;
   }
   if (value.is_string()) return split(value.get_ref<const std::string&>(), base, out);
-  if (!value.is_array()) return false;
+  if (!value.is_array() || lists == 0) return false;
   for (const json& element : value)
-    if (out.size() > most || !flatten(element, base, most, out)) return false;
+    if (out.size() > most || !flatten(element, base, most, lists - 1, out)) return false;
   return true;
 }
 
@@ -104,7 +108,7 @@ bool Reader::numbers_at(const Place& place, const json& document, Bytes body, st
   out.clear();
   if (!place.at.empty()) {
     const json* const value = at(document, place.at);
-    return value != nullptr && flatten(*value, place.base, count, out) && out.size() == count;
+    return value != nullptr && flatten(*value, place.base, count, kMostLists, out) && out.size() == count;
   }
   Bytes bytes;
   if (place.offset) {
@@ -155,15 +159,19 @@ Outcome Reader::read(const Message& message, Reading& out) {
                       : profile_.format == Format::yaml_head ? parse_yaml(message.head, document)
                                                              : true;
   if (!parsed)
-    return refuse(Outcome::corrupt, profile_.format == Format::json ? "the message is no JSON text"
-                                                                    : "the head is no YAML text");
+    return refuse(Outcome::corrupt,
+                  std::string(profile_.format == Format::json ? "the message is no JSON text"
+                                                              : "the head is no YAML text") +
+                      ", or is nested more than " + std::to_string(kDeepestDocument) + " deep");
   if (const Outcome outcome = is_ours(document, message.body); outcome != Outcome::frame) return outcome;
 
   const std::size_t count = profile_.frames.taxels * static_cast<std::size_t>(profile_.frames.axes);
   std::vector<double> values;
   if (!numbers_at(profile_.values, document, message.body, count, values))
-    return refuse(Outcome::corrupt, describe(profile_.values) + " has not the " + std::to_string(count) +
-                                        " numbers of " + std::to_string(profile_.frames.taxels) + " taxels");
+    return refuse(Outcome::corrupt,
+                  describe(profile_.values) + " has not the " + std::to_string(count) + " numbers of " +
+                      std::to_string(profile_.frames.taxels) + " taxels" +
+                      (profile_.values.at.empty() ? "" : " in a text, a list or a list of lists"));
   out.values.clear();
   for (const double value : values) {
     out.values.push_back(static_cast<float>(value));
@@ -173,16 +181,20 @@ Outcome Reader::read(const Message& message, Reading& out) {
   out.sent_s.reset();
   double number = 0;
   if (profile_.sequence) {
-    if (!number_at(*profile_.sequence, document, message.body, number) || number < 0 ||
-        number > kLargestCount)
+    const std::size_t bytes = profile_.sequence->wrapping_bytes();
+    if (!number_at(*profile_.sequence, document, message.body, number) ||
+        (bytes == 0 && (number < 0 || number > kLargestCount)))
       return refuse(Outcome::corrupt, describe(*profile_.sequence) + " is no count");
-    out.sequence = static_cast<std::uint64_t>(number);
+    out.sequence = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
+    out.sequence_bytes = bytes == 0 ? sizeof *out.sequence : bytes;
   }
   if (profile_.time) {
     if (!number_at(*profile_.time, document, message.body, number) ||
         std::abs(number * profile_.time_unit_s) > kLargestTimeS)
       return refuse(Outcome::corrupt, describe(*profile_.time) + " is no time");
     out.sent_s = number * profile_.time_unit_s;
+    const std::size_t bytes = profile_.time->wrapping_bytes();
+    out.sent_range_s = bytes == 0 ? 0 : std::exp2(8 * bytes) * profile_.time_unit_s;
   }
   return Outcome::frame;
 }

@@ -60,7 +60,10 @@ void UdpSource::hand_out(std::size_t bytes) {
       continue;
     }
     Message message;
+    const std::uint64_t lost = listener.assembler->lost();
     const auto result = listener.assembler->put(host + ':' + std::to_string(from_.port()), datagram, message);
+    if (const std::uint64_t more = listener.assembler->lost() - lost; more > 0 && !listener.counted)
+      listener.lane->lose(more);
     if (result == Assembler::Result::message) listener.lane->take(message, now_ns);
     if (result == Assembler::Result::corrupt)
       listener.lane->refuse("a datagram had another header, or was there twice");

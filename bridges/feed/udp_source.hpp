@@ -22,6 +22,7 @@ class UdpSource {
     Lane* lane;
     std::optional<Assembler> assembler;  // none: each datagram is a message
     std::string sender;                  // address whose datagrams count; empty: all
+    bool counted;                        // by the sender, in what the lane reads: it knows what is lost
   };
 
   // Throws boost::system::system_error if the address cannot be listened on.

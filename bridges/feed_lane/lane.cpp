@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "wire/number.hpp"
+
 namespace slipd::feed {
 namespace {
 
@@ -10,7 +12,7 @@ namespace {
 // frames of a sender that was restarted are lost.
 constexpr std::int64_t kAnewNs = 1'000'000'000;
 // Steps of a sequence above this are no count of lost messages.
-constexpr std::uint64_t kLongestJump = std::uint64_t{1} << 31;
+constexpr std::int64_t kLongestJump = std::int64_t{1} << 31;
 
 }  // namespace
 
@@ -22,11 +24,10 @@ Lane::Lane(std::string sensor, const slipd_frames& frames, std::unique_ptr<Messa
 std::uint64_t Lane::step_of(const Reading& reading, std::int64_t now_ns) {
   std::uint64_t step = 1;
   if (reading.sequence) {
-    const bool rises = !last_ || *reading.sequence > *last_;
-    if (!rises && now_ns - taken_ns_ < kAnewNs) return 0;
-    if (!rises) clock_.reset();
-    if (rises && reading.counted && last_ && *reading.sequence - *last_ < kLongestJump)
-      step = *reading.sequence - *last_;
+    const std::int64_t moved = last_ ? wire::steps(*last_, *reading.sequence, reading.sequence_bytes) : 1;
+    if (moved <= 0 && now_ns - taken_ns_ < kAnewNs) return 0;
+    if (moved <= 0) clock_.reset();
+    if (moved > 0 && reading.counted && moved < kLongestJump) step = static_cast<std::uint64_t>(moved);
     last_ = reading.sequence;
   }
   taken_ns_ = now_ns;
@@ -56,8 +57,8 @@ void Lane::take(const Message& message, std::int64_t now_ns) {
   count(outcome, step);
   if (step == 0) return;
   sequence_ += step;
-  put(reading, reading.sent_s ? clock_.when(static_cast<std::int64_t>(*reading.sent_s * kNsPerSecond), now_ns)
-                              : now_ns);
+  const auto ns = [](double s) { return static_cast<std::int64_t>(s * kNsPerSecond); };
+  put(reading, reading.sent_s ? clock_.when(ns(*reading.sent_s), now_ns, ns(reading.sent_range_s)) : now_ns);
   if (reading.sent_s) flush();
 }
 

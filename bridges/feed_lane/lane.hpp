@@ -25,7 +25,7 @@ struct Account {
   std::uint64_t other = 0;      // of another kind or sensor
   std::uint64_t corrupt = 0;    // damaged, wrong size, not finite
   std::uint64_t repeated = 0;   // whose sequence does not rise
-  std::uint64_t lost = 0;       // which the sequence counts and which did not come, or not whole
+  std::uint64_t lost = 0;       // which the sequence or the source counts and which did not come whole
   std::uint64_t second = 0;     // of a second sender, while the first one sends
   std::uint64_t overtaken = 0;  // without a time, behind which another one waited
   std::uint64_t sent = 0;       // frames that slipd took

@@ -2,6 +2,7 @@
 // slipd-feed and slipd-feed-ros2 have readers of their own. One thread at a time; any bytes are valid input.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,8 +23,10 @@ struct Message {
 struct Reading {
   std::vector<float> values;              // taxels x axes, finite
   std::optional<std::uint64_t> sequence;  // of the sender; a message whose sequence does not rise is no frame
+  std::size_t sequence_bytes = 8;         // in which the sender counts, and wraps
   bool counted = true;                    // a jump of the sequence by n is n - 1 lost messages
   std::optional<double> sent_s;           // on the sender's clock
+  double sent_range_s = 0;                // after which the sender's clock wraps; 0: it does not
 };
 
 enum class Outcome : unsigned char {

@@ -18,15 +18,21 @@ class SenderClock {
   static constexpr std::int64_t kWindowNs = 5'000'000'000;
 
   // Of a message that came at `received_ns`, CLOCK_MONOTONIC: when it was sent, on the same clock; not later
-  // than `received_ns`, and later than the one before. `sent_ns`: on the sender's clock.
-  std::int64_t when(std::int64_t sent_ns, std::int64_t received_ns) noexcept {
+  // than `received_ns`, and later than the one before. `sent_ns`: on the sender's clock, which wraps after
+  // `range_ns`; 0: it does not. A message that was under way for half that range longer than others passes
+  // for younger.
+  std::int64_t when(std::int64_t sent_ns, std::int64_t received_ns, std::int64_t range_ns = 0) noexcept {
     if (received_ns - window_began_ns_ > kWindowNs) {
       before_ns_ = received_ns - window_began_ns_ > 2 * kWindowNs ? kNone : now_ns_;
       now_ns_ = kNone;
       window_began_ns_ = received_ns;
     }
-    now_ns_ = std::min(now_ns_, received_ns - sent_ns);
-    const std::int64_t was_ns = sent_ns + std::min(before_ns_, now_ns_);
+    const std::int64_t shortest_ns = std::min(before_ns_, now_ns_);
+    std::int64_t under_way_ns = received_ns - sent_ns;
+    if (range_ns > 0 && shortest_ns != kNone)
+      under_way_ns = shortest_ns + nearest(under_way_ns - shortest_ns, range_ns);
+    now_ns_ = std::min(now_ns_, under_way_ns);
+    const std::int64_t was_ns = received_ns - under_way_ns + std::min(before_ns_, now_ns_);
     last_ns_ = std::clamp(was_ns, std::min(last_ns_ + 1, received_ns), received_ns);
     return last_ns_;
   }
@@ -34,6 +40,12 @@ class SenderClock {
   void reset() noexcept { before_ns_ = now_ns_ = kNone; }
 
  private:
+  // Of what is the same as `ns` modulo `range_ns`, the nearest to 0.
+  static std::int64_t nearest(std::int64_t ns, std::int64_t range_ns) noexcept {
+    const std::int64_t rest = ns % range_ns;
+    return rest > range_ns / 2 ? rest - range_ns : rest < -range_ns / 2 ? rest + range_ns : rest;
+  }
+
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
   std::int64_t before_ns_ = kNone, now_ns_ = kNone;  // shortest received - sent of two windows
   std::int64_t window_began_ns_ = 0, last_ns_ = 0;

@@ -91,11 +91,10 @@ void Decoder::WrappingCounter::read(const std::optional<WrappingNumber>& of_pack
 
 std::optional<std::uint64_t> Decoder::WrappingCounter::step() noexcept {
   const bool first = !last;
-  const unsigned bits = 8U * rule->bytes;
-  const std::uint64_t moved = (now - last.value_or(now)) & (~std::uint64_t{0} >> (64U - bits));
+  const std::int64_t moved = wire::steps(last.value_or(now), now, rule->bytes);
   last = now;
-  if (first || moved >> (bits - 1) != 0) return std::nullopt;
-  return moved;
+  if (first || moved < 0) return std::nullopt;
+  return static_cast<std::uint64_t>(moved);
 }
 
 // The sequence follows the device's count of scans. A scan with the same count as the last is dropped. So is

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <string>
 
 namespace slipd::feed {
 namespace {
@@ -66,6 +67,46 @@ TEST(Assembler, KeepsFewMessagesOfWhichPartsAreMissing) {
   EXPECT_EQ(assembler.lost(), 192U);
   EXPECT_EQ(assembler.put("a", datagram(199, 1, 1), message), Result::message);
   EXPECT_EQ(assembler.put("a", datagram(0, 1, 1), message), Result::incomplete);
+}
+
+TEST(Assembler, MakesNoMessageOfTwoWhoseNumberIsTheSame) {
+  Assembler assembler(kRule, false);
+  Message message;
+  const std::vector<std::uint8_t> before[] = {{7, 2, 0, 'a'}, {7, 2, 1, 'a'}};
+  for (const auto& part : before) assembler.put("a", part, message);
+  for (std::uint8_t number = 8; number < 16; ++number)
+    for (std::uint8_t part : {0, 1}) assembler.put("a", datagram(number, 1, part), message);
+  EXPECT_EQ(assembler.lost(), 1U) << "eight later ones have begun";
+
+  const std::vector<std::uint8_t> after[] = {{7, 2, 2, 'b'}, {7, 2, 0, 'b'}, {7, 2, 1, 'b'}};
+  EXPECT_EQ(assembler.put("a", after[0], message), Result::incomplete);
+  EXPECT_EQ(assembler.put("a", after[1], message), Result::incomplete);
+  ASSERT_EQ(assembler.put("a", after[2], message), Result::message);
+  EXPECT_EQ(std::string(message.body.begin(), message.body.end()), "bbb");
+  EXPECT_EQ(assembler.lost(), 1U);
+}
+
+TEST(Assembler, BeginsAMessageAnewWhenAPartComesWithOtherContent) {
+  Assembler assembler(kRule, false);
+  Message message;
+  const std::vector<std::uint8_t> parts[] = {
+      {0, 2, 0, 'a'}, {0, 2, 1, 'a'}, {0, 2, 0, 'b'}, {0, 2, 1, 'b'}, {0, 2, 2, 'b'}};
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(assembler.put("a", parts[i], message), Result::incomplete) << i;
+  ASSERT_EQ(assembler.put("a", parts[4], message), Result::message);
+  EXPECT_EQ(std::string(message.body.begin(), message.body.end()), "bbb");
+  EXPECT_EQ(assembler.lost(), 1U);
+}
+
+TEST(Assembler, LosesNothingWhenTheNetworkDoublesDatagrams) {
+  Assembler assembler(kRule, false);
+  Message message;
+  int whole = 0;
+  for (std::uint8_t number = 0; number < 100; ++number)
+    for (const std::uint8_t part : {0, 0, 1, 1})
+      whole += assembler.put("a", datagram(number, 1, part), message) == Result::message ? 1 : 0;
+  EXPECT_EQ(whole, 100);
+  EXPECT_EQ(assembler.lost(), 0U);
 }
 
 }  // namespace

@@ -63,5 +63,23 @@ TEST(SenderClock, HearsASenderWhoseClockWasSetBackAgainWithinTwoWindows) {
   EXPECT_EQ(age, 0);
 }
 
+TEST(SenderClock, TimesMessagesAcrossTheWrapOfTheSendersClock) {
+  constexpr std::int64_t kRangeNs = (std::int64_t{1} << 32) * 1000;  // 32 bit of us: 71.6 min
+  SenderClock clock;
+  for (std::int64_t ms = 1; ms < 10'000; ms += 10) {
+    const std::int64_t sent = (kRangeNs - 5000 * kMs + ms * kMs) % kRangeNs, under_way = ms / 10 % 7 * kMs;
+    const std::int64_t when = clock.when(sent, ms * kMs + under_way, kRangeNs);
+    EXPECT_EQ(when, ms * kMs) << ms;
+  }
+}
+
+TEST(SenderClock, TimesMessagesAfterAPauseOfManyWraps) {
+  constexpr std::int64_t kRangeNs = 65'536'000;  // 16 bit of us
+  SenderClock clock;
+  for (const std::int64_t ms : {1, 11, 21, 500, 510, 4000, 4010})
+    EXPECT_EQ(clock.when(ms * kMs % kRangeNs, ms * kMs, kRangeNs), ms * kMs) << ms;
+  EXPECT_EQ(clock.when(4020 * kMs % kRangeNs, 4040 * kMs, kRangeNs), 4020 * kMs) << "20 ms under way";
+}
+
 }  // namespace
 }  // namespace slipd::feed
