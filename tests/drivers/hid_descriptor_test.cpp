@@ -51,6 +51,39 @@ TEST(Descriptor, ScalesFromLogicalToPhysicalInItsUnit) {
   EXPECT_NEAR(fields[0].zero_count, 500, 1e-9);
 }
 
+// One force of the bits, with the items that give its ranges.
+Bytes force_of_ranges(const Bytes& ranges, std::uint8_t bits) {
+  Bytes said{0x05, 0x20, 0x0A, 0x94, 0x04};
+  said.insert(said.end(), ranges.begin(), ranges.end());
+  said.insert(said.end(), {0x75, bits, 0x95, 0x01, 0x81, 0x02});
+  return said;
+}
+
+TEST(Descriptor, TakesAMaximumForUnsignedWhereItsMinimumIsNotNegative) {
+  const auto scale_of = [](const Bytes& ranges, std::uint8_t bits) {
+    return input_fields(force_of_ranges(ranges, bits)).at(0).newtons_a_count;
+  };
+  EXPECT_NEAR(scale_of({0x15, 0x00, 0x26, 0xFF, 0xFF, 0x35, 0x00, 0x45, 0x0A}, 16), 10.0 / 65535, 1e-12);
+  EXPECT_NEAR(scale_of({0x15, 0x00, 0x26, 0xFF, 0x00, 0x35, 0x00, 0x45, 0xC8}, 8), 200.0 / 255, 1e-12);
+  EXPECT_NEAR(scale_of({0x15, 0x00, 0x27, 0xFF, 0xFF, 0xFF, 0xFF, 0x35, 0x00, 0x45, 0x0A}, 32),
+              10.0 / 4294967295, 1e-15);
+  EXPECT_NEAR(scale_of({0x15, 0x81, 0x25, 0x7F, 0x35, 0x81, 0x45, 0xFF}, 8), 126.0 / 254, 1e-12)
+      << "-127 to -1, as its minimum is negative";
+}
+
+TEST(Descriptor, WhoseRangeDoesNotRiseGivesNoForce) {
+  const auto said_of = [](const Bytes& ranges) {
+    decode::Profile profile = decode::find_profile("hid-force");
+    return test::refusal_of([&] { resolve_usages(profile, force_of_ranges(ranges, 16)); });
+  };
+  EXPECT_EQ(said_of({0x15, 0x00, 0x25, 0x64}), "") << "without a physical range the counts are newtons";
+  EXPECT_THAT(said_of({0x15, 0x05, 0x25, 0x05}),
+              HasSubstr("usage 0x00200494 in the device's report descriptor has counts from 5 to 5"));
+  EXPECT_THAT(said_of({0x15, 0xFF, 0x25, 0xFE}), HasSubstr("counts from -1 to -2"));
+  EXPECT_THAT(said_of({0x15, 0x00, 0x25, 0x64, 0x35, 0x0A, 0x45, 0x05}),
+              HasSubstr("a physical range from 10 to 5, whose maximum is not above its minimum"));
+}
+
 TEST(Descriptor, PutsPlacesIntoAProfileThatNamesUsages) {
   decode::Profile profile = decode::find_profile("hid-force");
   resolve_usages(profile, devices::hid_force().hid->report_descriptor);
