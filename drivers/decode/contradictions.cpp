@@ -50,40 +50,12 @@ class Finder {
         "is not shorter than from scan to scan at rate_hz: halves of two scans could be taken for one");
   }
 
-  // Fields beyond the packet's end, and bytes of two fields.
   void packet(const PacketRule& rule, const std::string& at) {
     if (profile_.driver == "can" && rule.length > kCanFdBytes)
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
     if (profile_.driver == "hid" && rule.length > kReportBytes)
       add(at + "/length", rule.length, "is more than a report holds; expected up to 255 bytes");
-    for (const auto& number : {rule.clock, rule.counter}) {
-      if (number && number->offset + number->bytes > rule.length)
-        add(at, number->offset, "is where a clock or counter stands, which reaches behind the packet's end");
-    }
-    if (profile_.key_offset && *profile_.key_offset >= rule.length)
-      add("/scan/key_offset", *profile_.key_offset, "lies behind the end of " + at);
-    if (rule.match.mask != 0 && rule.match.offset >= rule.length)
-      add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
-    std::vector<int> owner(rule.length, 0);
-    for (const Field& field : rule.fields) {
-      if (field.sensor >= profile_.sensors) {
-        add(at + "/fields", field.sensor,
-            "is no sensor of the device; it has " + std::to_string(profile_.sensors));
-        return;
-      }
-      if (field.usage != 0) continue;  // the device's descriptor gives its place
-      for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
-        if (byte >= rule.length) {
-          add(at + "/fields", byte,
-              "is a byte behind the packet's end; it has " + std::to_string(rule.length));
-          return;
-        }
-        if (owner[byte]++ > 0) {
-          add(at + "/fields", byte, "is a byte of two fields, which overlap");
-          return;
-        }
-      }
-    }
+    find_misplaced(profile_, rule, at, problems_);
   }
 
   // The packets that the stream produces must be those of the scan.
@@ -213,6 +185,40 @@ class Finder {
 };
 
 }  // namespace
+
+void find_misplaced(const Profile& profile, const PacketRule& rule, const std::string& at,
+                    std::vector<Problem>& problems) {
+  const auto add = [&](const std::string& pointer, const json& value, const std::string& what) {
+    problems.push_back(problem_of(pointer, value, what));
+  };
+  for (const auto& number : {rule.clock, rule.counter}) {
+    if (number && number->offset + number->bytes > rule.length)
+      add(at, number->offset, "is where a clock or counter stands, which reaches behind the packet's end");
+  }
+  if (profile.key_offset && *profile.key_offset >= rule.length)
+    add("/scan/key_offset", *profile.key_offset, "lies behind the end of " + at);
+  if (rule.match.mask != 0 && rule.match.offset >= rule.length)
+    add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
+  std::vector<int> owner(rule.length, 0);
+  for (const Field& field : rule.fields) {
+    if (field.sensor >= profile.sensors) {
+      add(at + "/fields", field.sensor,
+          "is no sensor of the device; it has " + std::to_string(profile.sensors));
+      return;
+    }
+    if (field.usage != 0) continue;  // the device's descriptor gives its place
+    for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
+      if (byte >= rule.length) {
+        add(at + "/fields", byte, "is a byte behind the packet's end; it has " + std::to_string(rule.length));
+        return;
+      }
+      if (owner[byte]++ > 0) {
+        add(at + "/fields", byte, "is a byte of two fields, which overlap");
+        return;
+      }
+    }
+  }
+}
 
 void find_contradictions(const json& in, const Profile& profile, std::vector<Problem>& problems) {
   Finder(in, profile, problems).find();

@@ -8,6 +8,8 @@
 #include <map>
 #include <string>
 
+#include "drivers/decode/profile_parts.hpp"
+
 namespace slipd::hid {
 namespace {
 
@@ -202,6 +204,18 @@ void check_ranges(const InputField& field) {
     throw DriverError(where + " has a physical range from " + text_of(field.physical) + instead);
 }
 
+const InputField& readable_input(const std::vector<InputField>& fields, std::uint32_t usage) {
+  const auto found = std::ranges::find(fields, usage, &InputField::usage);
+  if (found == fields.end())
+    throw DriverError("the device has no input of usage " + hex(usage) + ", which the profile names");
+  if (found->bit % 8 != 0 || (found->bits != 8 && found->bits != 16 && found->bits != 32)) {
+    throw DriverError("the input of usage " + hex(usage) + " has " + std::to_string(found->bits) +
+                      " bits from bit " + std::to_string(found->bit) + " on; only whole bytes can be read");
+  }
+  check_ranges(*found);
+  return *found;
+}
+
 }  // namespace
 
 std::vector<InputField> input_fields(Bytes descriptor) {
@@ -216,27 +230,35 @@ std::size_t report_length(Bytes descriptor, std::uint8_t report) {
 
 void resolve_usages(decode::Profile& profile, Bytes descriptor) {
   const Parser parser(descriptor);
-  for (decode::PacketRule& rule : profile.scan) {
+  for (std::size_t i = 0; i < profile.scan.size(); ++i) {
+    decode::PacketRule& rule = profile.scan[i];
+    const std::string at = pointer_to("/scan/packets", i);
+    const InputField* first = nullptr;
     for (decode::Field& field : rule.fields) {
       if (field.usage == 0) continue;
-      const auto found = std::ranges::find(parser.fields, field.usage, &InputField::usage);
-      if (found == parser.fields.end())
-        throw DriverError("the device has no input of usage " + hex(field.usage) +
-                          ", which the profile names");
-      if (found->bit % 8 != 0 || (found->bits != 8 && found->bits != 16 && found->bits != 32)) {
-        throw DriverError("the input of usage " + hex(field.usage) + " has " + std::to_string(found->bits) +
-                          " bits from bit " + std::to_string(found->bit) +
-                          " on; only whole bytes can be read");
+      const InputField& found = readable_input(parser.fields, field.usage);
+      if (first == nullptr) first = &found;
+      if (found.report != first->report) {
+        throw DriverError("the profile's packet " + at + " has usages " + hex(first->usage) + " and " +
+                          hex(found.usage) + ", which are in the device's reports " +
+                          std::to_string(first->report) + " and " + std::to_string(found.report) +
+                          ": give each report a packet of its own");
       }
-      check_ranges(*found);
-      rule.id = found->report;
-      rule.length = report_length(descriptor, found->report);
-      field.offset = found->bit / 8;
-      field.type = {found->is_signed ? decode::NumberKind::whole : decode::NumberKind::natural,
-                    static_cast<std::uint8_t>(found->bits / 8), false};
-      field.zero = found->zero_count;
-      field.gain_pa *= found->newtons_a_count / profile.layout.area_m2();
+      field.offset = found.bit / 8;
+      field.type = {found.is_signed ? decode::NumberKind::whole : decode::NumberKind::natural,
+                    static_cast<std::uint8_t>(found.bits / 8), false};
+      field.zero = found.zero_count;
+      field.gain_pa *= found.newtons_a_count / profile.layout.area_m2();
     }
+    if (first == nullptr) continue;
+    rule.id = first->report;
+    rule.length = report_length(descriptor, first->report);
+    std::vector<Problem> problems;
+    decode::find_misplaced(profile, rule, at, problems);
+    if (problems.empty()) continue;
+    throw DriverError(problems.front().in("the profile") + ". Report " + std::to_string(rule.id) + " has " +
+                      std::to_string(rule.length) +
+                      " bytes by the device's report descriptor: correct the profile's offsets");
   }
 }
 

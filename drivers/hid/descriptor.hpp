@@ -38,7 +38,9 @@ std::vector<InputField> input_fields(std::span<const std::uint8_t> descriptor);
 std::size_t report_length(std::span<const std::uint8_t> descriptor, std::uint8_t report);
 
 // Fills in offset, type and scale of the fields that the profile names by usage. Throws DriverError for a
-// usage that the device does not have, one that is not aligned to bytes, or one whose range is empty.
+// usage that the device does not have, one that is not aligned to bytes, or one whose range is empty; for
+// usages of one packet in different reports; and for anything of the packet that lies behind the report's
+// end.
 void resolve_usages(decode::Profile& profile, std::span<const std::uint8_t> descriptor);
 
 // Reads the descriptor of /dev/hidrawN from sysfs, because hidapi does not provide it. Throws DriverError.
