@@ -1,6 +1,7 @@
 // The checks of a profile that a JSON Schema cannot express.
 #include <nlohmann/json.hpp>
 
+#include "drivers/decode/checksum.hpp"
 #include "drivers/decode/profile_parts.hpp"
 #include "drivers/decode/pts2.hpp"
 
@@ -13,6 +14,8 @@ constexpr std::size_t kCanFdBytes = 64;
 constexpr std::size_t kReportBytes = 255;
 constexpr std::size_t kMostRegisters = 125;  // of one Modbus request
 constexpr std::size_t kMostPackets = 4096;   // of one scan
+constexpr std::uint32_t kLargestCanId = 0x1FFFFFFF, kLargestRegister = 65535;
+constexpr std::uint32_t kLargestByteId = 255;  // report ids and tags
 
 const char* word(Channel channel) {
   return channel == Channel::normal ? "normal" : channel == Channel::shear_x ? "x" : "y";
@@ -30,6 +33,9 @@ class Finder {
       return;
     }
     for (std::size_t i = 0; i < packets_; ++i) packet(profile_.scan[i], pointer_to("/scan/packets", i));
+    ids();
+    messages("/start", profile_.start);
+    messages("/stop", profile_.stop);
     told_apart();
     if (problems_.empty()) every_taxel_once();
     if (profile_.driver == "modbus") registers();
@@ -55,7 +61,37 @@ class Finder {
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
     if (profile_.driver == "hid" && rule.length > kReportBytes)
       add(at + "/length", rule.length, "is more than a report holds; expected up to 255 bytes");
+    if ((rule.match.value & ~unsigned{rule.match.mask}) != 0)
+      add(at + "/match/value", rule.match.value,
+          "has bits outside the mask " + std::to_string(rule.match.mask) +
+              ", so no packet has it: clear them, or widen the mask");
     find_misplaced(profile_, rule, at, problems_);
+  }
+
+  std::uint32_t largest_id() const {
+    return profile_.driver == "can"      ? kLargestCanId
+           : profile_.driver == "modbus" ? kLargestRegister
+                                         : kLargestByteId;
+  }
+
+  void ids() {
+    for (std::size_t i = 0; i < profile_.scan.size(); ++i) {
+      if (profile_.scan[i].id <= largest_id()) continue;
+      add(pointer_to("/scan/packets", i % packets_) + "/id", profile_.scan[i].id,
+          "is the id in repetition " + std::to_string(i / packets_) + "; driver " + profile_.driver +
+              " has ids up to " + std::to_string(largest_id()) + ": lower the id or id_step");
+      return;
+    }
+  }
+
+  void messages(const std::string& at, const std::vector<Message>& messages) {
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      if (profile_.driver == "hid" && messages[i].id > kLargestByteId)
+        add(pointer_to(at, i) + "/id", messages[i].id, "is no report id; expected up to 255");
+      if (profile_.driver == "usb" && profile_.usb && profile_.usb->out == 0 && !messages[i].control)
+        problems_.push_back({pointer_to(at, i), "",
+                             "has no endpoint to go to: name the device's in usb.out, or use control"});
+    }
   }
 
   // The packets that the stream produces must be those of the scan.
@@ -73,6 +109,12 @@ class Finder {
       add("/stream", in, "is for drivers usb and serial; others bring packets");
     if (rule.begin.empty() && rule.end.empty())
       add("/stream/begin", in["begin"], "is empty, and so is end; nothing would say where frames begin");
+    if (rule.begin.size() + rule.end.size() > rule.longest)
+      add(rule.length != 0 ? "/stream/length" : "/stream/longest", rule.longest,
+          "is shorter than begin and end together: correct it, or the markers");
+    if (rule.checksum.kind != ChecksumKind::none && !place_of(rule.checksum, rule.longest))
+      add("/stream/checksum", in["checksum"],
+          "reaches out of a frame of " + std::to_string(rule.longest) + " bytes: correct at, from or to");
     if (rule.csv_values != 0 && !rule.records.empty())
       add("/stream/records", in["records"], "cannot be inside csv");
     if (rule.length_byte.plus != 0 && rule.length_byte.offset >= rule.longest)

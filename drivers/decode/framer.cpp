@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t kLongestPiece = 65536;  // bytes of one put(), on any bus
 constexpr std::size_t kTooLong = SIZE_MAX;
 
-std::size_t place(std::ptrdiff_t at, std::size_t size) noexcept {
-  return at < 0 ? size - static_cast<std::size_t>(-at) : static_cast<std::size_t>(at);
-}
-
 }  // namespace
 
 Framer::Framer(const Profile& profile)
@@ -97,12 +93,10 @@ bool Framer::is_right(Bytes frame) const noexcept {
   if (!std::equal(stream_.end.begin(), stream_.end.end(), frame.end() - end_marker)) return false;
   const Checksum& sum = stream_.checksum;
   if (sum.kind == ChecksumKind::none) return true;
-  const std::size_t bytes = bytes_of(sum.kind);
-  const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
-  const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
-  if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
-  return wire::read_bits(frame.data() + at, bytes, is_big_endian(sum.kind)) ==
-         checksum_of(sum.kind, frame.subspan(from, to - from));
+  const auto place = place_of(sum, frame.size());
+  if (!place) return false;
+  return wire::read_bits(frame.data() + place->at, bytes_of(sum.kind), is_big_endian(sum.kind)) ==
+         checksum_of(sum.kind, frame.subspan(place->from, place->to - place->from));
 }
 
 Framer::Result Framer::next_record(RawPacket& out) noexcept {

@@ -20,7 +20,7 @@ void find_misplaced(const Profile& profile, const PacketRule& rule, const std::s
 
 // Appends the contradictions of a profile whose every key is in its range: bytes that two fields read,
 // packets that are too short, taxels that no field or two fields fill, packets that cannot be distinguished,
-// registers that the device does not have.
+// registers that the device does not have, ids and checksums that no packet can have.
 void find_contradictions(const nlohmann::json& in, const Profile& profile, std::vector<Problem>& problems);
 
 }  // namespace slipd::decode
