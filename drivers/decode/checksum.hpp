@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "drivers/decode/profile.hpp"
@@ -23,6 +24,22 @@ inline std::size_t bytes_of(ChecksumKind kind) noexcept {
     default:
       return 2;
   }
+}
+
+// Offsets from a frame's beginning.
+struct ChecksumPlace {
+  std::size_t at = 0, from = 0, to = 0;
+};
+
+// Nothing where the checksum or what it covers does not lie in a frame of so many bytes.
+inline std::optional<ChecksumPlace> place_of(const Checksum& sum, std::size_t frame_bytes) noexcept {
+  const auto place = [frame_bytes](std::ptrdiff_t at) {
+    return at < 0 ? frame_bytes - static_cast<std::size_t>(-at) : static_cast<std::size_t>(at);
+  };
+  const ChecksumPlace out{place(sum.at), place(sum.from), sum.to == 0 ? frame_bytes : place(sum.to)};
+  if (out.at > frame_bytes || bytes_of(sum.kind) > frame_bytes - out.at) return std::nullopt;
+  if (out.from > out.to || out.to > frame_bytes) return std::nullopt;
+  return out;
 }
 
 inline bool is_big_endian(ChecksumKind kind) noexcept {

@@ -1,6 +1,7 @@
 // The checks of a profile that a JSON Schema cannot express.
 #include <nlohmann/json.hpp>
 
+#include "drivers/decode/checksum.hpp"
 #include "drivers/decode/profile_parts.hpp"
 #include "drivers/decode/pts2.hpp"
 
@@ -13,6 +14,8 @@ constexpr std::size_t kCanFdBytes = 64;
 constexpr std::size_t kReportBytes = 255;
 constexpr std::size_t kMostRegisters = 125;  // of one Modbus request
 constexpr std::size_t kMostPackets = 4096;   // of one scan
+constexpr std::uint32_t kLargestCanId = 0x1FFFFFFF, kLargestRegister = 65535;
+constexpr std::uint32_t kLargestByteId = 255;  // report ids and tags
 
 const char* word(Channel channel) {
   return channel == Channel::normal ? "normal" : channel == Channel::shear_x ? "x" : "y";
@@ -30,6 +33,9 @@ class Finder {
       return;
     }
     for (std::size_t i = 0; i < packets_; ++i) packet(profile_.scan[i], pointer_to("/scan/packets", i));
+    ids();
+    messages("/start", profile_.start);
+    messages("/stop", profile_.stop);
     told_apart();
     if (problems_.empty()) every_taxel_once();
     if (profile_.driver == "modbus") registers();
@@ -50,39 +56,41 @@ class Finder {
         "is not shorter than from scan to scan at rate_hz: halves of two scans could be taken for one");
   }
 
-  // Fields beyond the packet's end, and bytes of two fields.
   void packet(const PacketRule& rule, const std::string& at) {
     if (profile_.driver == "can" && rule.length > kCanFdBytes)
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
     if (profile_.driver == "hid" && rule.length > kReportBytes)
       add(at + "/length", rule.length, "is more than a report holds; expected up to 255 bytes");
-    for (const auto& number : {rule.clock, rule.counter}) {
-      if (number && number->offset + number->bytes > rule.length)
-        add(at, number->offset, "is where a clock or counter stands, which reaches behind the packet's end");
+    if ((rule.match.value & ~unsigned{rule.match.mask}) != 0)
+      add(at + "/match/value", rule.match.value,
+          "has bits outside the mask " + std::to_string(rule.match.mask) +
+              ", so no packet has it: clear them, or widen the mask");
+    find_misplaced(profile_, rule, at, problems_);
+  }
+
+  std::uint32_t largest_id() const {
+    return profile_.driver == "can"      ? kLargestCanId
+           : profile_.driver == "modbus" ? kLargestRegister
+                                         : kLargestByteId;
+  }
+
+  void ids() {
+    for (std::size_t i = 0; i < profile_.scan.size(); ++i) {
+      if (profile_.scan[i].id <= largest_id()) continue;
+      add(pointer_to("/scan/packets", i % packets_) + "/id", profile_.scan[i].id,
+          "is the id in repetition " + std::to_string(i / packets_) + "; driver " + profile_.driver +
+              " has ids up to " + std::to_string(largest_id()) + ": lower the id or id_step");
+      return;
     }
-    if (profile_.key_offset && *profile_.key_offset >= rule.length)
-      add("/scan/key_offset", *profile_.key_offset, "lies behind the end of " + at);
-    if (rule.match.mask != 0 && rule.match.offset >= rule.length)
-      add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
-    std::vector<int> owner(rule.length, 0);
-    for (const Field& field : rule.fields) {
-      if (field.sensor >= profile_.sensors) {
-        add(at + "/fields", field.sensor,
-            "is no sensor of the device; it has " + std::to_string(profile_.sensors));
-        return;
-      }
-      if (field.usage != 0) continue;  // the device's descriptor gives its place
-      for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
-        if (byte >= rule.length) {
-          add(at + "/fields", byte,
-              "is a byte behind the packet's end; it has " + std::to_string(rule.length));
-          return;
-        }
-        if (owner[byte]++ > 0) {
-          add(at + "/fields", byte, "is a byte of two fields, which overlap");
-          return;
-        }
-      }
+  }
+
+  void messages(const std::string& at, const std::vector<Message>& messages) {
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      if (profile_.driver == "hid" && messages[i].id > kLargestByteId)
+        add(pointer_to(at, i) + "/id", messages[i].id, "is no report id; expected up to 255");
+      if (profile_.driver == "usb" && profile_.usb && profile_.usb->out == 0 && !messages[i].control)
+        problems_.push_back({pointer_to(at, i), "",
+                             "has no endpoint to go to: name the device's in usb.out, or use control"});
     }
   }
 
@@ -101,6 +109,12 @@ class Finder {
       add("/stream", in, "is for drivers usb and serial; others bring packets");
     if (rule.begin.empty() && rule.end.empty())
       add("/stream/begin", in["begin"], "is empty, and so is end; nothing would say where frames begin");
+    if (rule.begin.size() + rule.end.size() > rule.longest)
+      add(rule.length != 0 ? "/stream/length" : "/stream/longest", rule.longest,
+          "is shorter than begin and end together: correct it, or the markers");
+    if (rule.checksum.kind != ChecksumKind::none && !place_of(rule.checksum, rule.longest))
+      add("/stream/checksum", in["checksum"],
+          "reaches out of a frame of " + std::to_string(rule.longest) + " bytes: correct at, from or to");
     if (rule.csv_values != 0 && !rule.records.empty())
       add("/stream/records", in["records"], "cannot be inside csv");
     if (rule.length_byte.plus != 0 && rule.length_byte.offset >= rule.longest)
@@ -213,6 +227,40 @@ class Finder {
 };
 
 }  // namespace
+
+void find_misplaced(const Profile& profile, const PacketRule& rule, const std::string& at,
+                    std::vector<Problem>& problems) {
+  const auto add = [&](const std::string& pointer, const json& value, const std::string& what) {
+    problems.push_back(problem_of(pointer, value, what));
+  };
+  for (const auto& number : {rule.clock, rule.counter}) {
+    if (number && number->offset + number->bytes > rule.length)
+      add(at, number->offset, "is where a clock or counter stands, which reaches behind the packet's end");
+  }
+  if (profile.key_offset && *profile.key_offset >= rule.length)
+    add("/scan/key_offset", *profile.key_offset, "lies behind the end of " + at);
+  if (rule.match.mask != 0 && rule.match.offset >= rule.length)
+    add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
+  std::vector<int> owner(rule.length, 0);
+  for (const Field& field : rule.fields) {
+    if (field.sensor >= profile.sensors) {
+      add(at + "/fields", field.sensor,
+          "is no sensor of the device; it has " + std::to_string(profile.sensors));
+      return;
+    }
+    if (field.usage != 0) continue;  // the device's descriptor gives its place
+    for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
+      if (byte >= rule.length) {
+        add(at + "/fields", byte, "is a byte behind the packet's end; it has " + std::to_string(rule.length));
+        return;
+      }
+      if (owner[byte]++ > 0) {
+        add(at + "/fields", byte, "is a byte of two fields, which overlap");
+        return;
+      }
+    }
+  }
+}
 
 void find_contradictions(const json& in, const Profile& profile, std::vector<Problem>& problems) {
   Finder(in, profile, problems).find();

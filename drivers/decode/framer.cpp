@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t kLongestPiece = 65536;  // bytes of one put(), on any bus
 constexpr std::size_t kTooLong = SIZE_MAX;
 
-std::size_t place(std::ptrdiff_t at, std::size_t size) noexcept {
-  return at < 0 ? size - static_cast<std::size_t>(-at) : static_cast<std::size_t>(at);
-}
-
 }  // namespace
 
 Framer::Framer(const Profile& profile)
@@ -29,12 +25,14 @@ Framer::Framer(const Profile& profile)
       flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar
                          : stream_.csv_values * sizeof(double)) {
   checksum_of(stream_.checksum.kind, {});  // computes its table
+  reset();
 }
 
 void Framer::reset() noexcept {
   used_ = filled_ = searched_ = unreported_garbage_ = 0;
   records_ = {};
   in_garbage_ = true;
+  between_frames_ = !stream_.begin.empty() || stream_.length != 0;
 }
 
 void Framer::put(Bytes bytes) noexcept {
@@ -47,14 +45,14 @@ void Framer::put(Bytes bytes) noexcept {
   filled_ += taken;
 }
 
-// The number of bytes before a begin marker (`begun` true) or before the beginning of a possible one.
-std::size_t Framer::before_begin(bool& begun) const noexcept {
+// The number of bytes before a marker (`found` true) or before the beginning of a possible one.
+std::size_t Framer::before(Bytes marker, bool& found) const noexcept {
   const Bytes all = held();
-  const auto found = std::search(all.begin(), all.end(), stream_.begin.begin(), stream_.begin.end());
-  begun = found != all.end();
-  if (begun) return static_cast<std::size_t>(found - all.begin());
-  std::size_t keep = std::min(all.size(), stream_.begin.size() - 1);
-  while (!std::equal(all.end() - static_cast<std::ptrdiff_t>(keep), all.end(), stream_.begin.begin())) --keep;
+  const auto at = std::search(all.begin(), all.end(), marker.begin(), marker.end());
+  found = at != all.end();
+  if (found) return static_cast<std::size_t>(at - all.begin());
+  std::size_t keep = std::min(all.size(), marker.size() - 1);
+  while (!std::equal(all.end() - static_cast<std::ptrdiff_t>(keep), all.end(), marker.begin())) --keep;
   return all.size() - keep;
 }
 
@@ -95,12 +93,10 @@ bool Framer::is_right(Bytes frame) const noexcept {
   if (!std::equal(stream_.end.begin(), stream_.end.end(), frame.end() - end_marker)) return false;
   const Checksum& sum = stream_.checksum;
   if (sum.kind == ChecksumKind::none) return true;
-  const std::size_t bytes = bytes_of(sum.kind);
-  const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
-  const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
-  if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
-  return wire::read_bits(frame.data() + at, bytes, is_big_endian(sum.kind)) ==
-         checksum_of(sum.kind, frame.subspan(from, to - from));
+  const auto place = place_of(sum, frame.size());
+  if (!place) return false;
+  return wire::read_bits(frame.data() + place->at, bytes_of(sum.kind), is_big_endian(sum.kind)) ==
+         checksum_of(sum.kind, frame.subspan(place->from, place->to - place->from));
 }
 
 Framer::Result Framer::next_record(RawPacket& out) noexcept {
@@ -154,10 +150,15 @@ Framer::Result Framer::next(RawPacket& out) noexcept {
     ++counts_.frames;
     return Result::packet;
   }
+  if (!between_frames_) {
+    const std::size_t rest = before(stream_.end, between_frames_);
+    if (lose(rest + (between_frames_ ? stream_.end.size() : 0))) return Result::invalid;
+    if (!between_frames_) return Result::incomplete;
+  }
   for (;;) {
     bool begun = false;
-    const std::size_t before = before_begin(begun);
-    if (before > 0 && lose(before)) return Result::invalid;
+    const std::size_t garbage = before(stream_.begin, begun);
+    if (garbage > 0 && lose(garbage)) return Result::invalid;
     if (!begun) return Result::incomplete;
     const std::size_t size = size_of(held());
     if (size != kTooLong && (size == 0 || held().size() < size)) {

@@ -4,7 +4,9 @@
 // after construction.
 //
 // Of an invalid frame only the first byte is discarded, and the search goes on in the bytes behind it. So
-// garbage, a missing byte or a marker within data costs only the frames in which it occurs.
+// garbage, a missing byte or a marker within data costs only the frames in which it occurs. Where
+// only end markers tell where frames begin, the bytes up to the first one are dropped: they may be the rest
+// of a frame.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +49,7 @@ class Framer {
   using Bytes = std::span<const std::uint8_t>;
 
   Bytes held() const noexcept { return Bytes(buffer_).subspan(used_, filled_ - used_); }
-  std::size_t before_begin(bool& begun) const noexcept;
+  std::size_t before(Bytes marker, bool& found) const noexcept;
   bool lose(std::size_t bytes) noexcept;
   std::size_t size_of(Bytes from_begin) const noexcept;
   bool is_right(Bytes frame) const noexcept;
@@ -62,6 +64,7 @@ class Framer {
   std::size_t used_ = 0, filled_ = 0;   // begin and end of the held bytes in the buffer
   std::size_t searched_ = 0;            // no end marker begins in so many of the held bytes
   Bytes records_;                       // records of the last frame that next() has not returned yet
+  bool between_frames_ = false;         // false: in the middle of a frame that only an end marker ends
   bool in_garbage_ = true;              // in a run of garbage that was reported; also before the first frame
   std::size_t unreported_garbage_ = 0;  // bytes of garbage since the last report
   FramerCounts counts_;

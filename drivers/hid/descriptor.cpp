@@ -8,6 +8,8 @@
 #include <map>
 #include <string>
 
+#include "drivers/decode/profile_parts.hpp"
+
 namespace slipd::hid {
 namespace {
 
@@ -43,7 +45,7 @@ constexpr double kNewtonPerDyne = 1e-5;
 // The item state table: global items hold until they are replaced.
 struct Global {
   std::uint32_t page = 0, unit = 0, size = 0, count = 0;
-  std::int32_t low = 0, high = 0, physical_low = 0, physical_high = 0;
+  Range logical, physical;
   int exponent = 0;
   std::uint8_t report = 0;
 };
@@ -72,6 +74,10 @@ class Parser {
   static std::int32_t whole(Bytes data) {
     const unsigned unused = data.empty() ? 0 : 32U - 8U * static_cast<unsigned>(data.size());
     return static_cast<std::int32_t>(natural(data) << unused) >> unused;
+  }
+  // A maximum has a sign only where its minimum is negative: devices state 65535 in two bytes.
+  static std::int64_t maximum(Bytes data, std::int64_t minimum) {
+    return minimum < 0 ? std::int64_t{whole(data)} : std::int64_t{natural(data)};
   }
 
   // One item. False: parsing ends.
@@ -112,16 +118,16 @@ class Parser {
         global_.page = natural(data);
         break;
       case Item::logical_minimum:
-        global_.low = whole(data);
+        global_.logical.minimum = whole(data);
         break;
       case Item::logical_maximum:
-        global_.high = whole(data);
+        global_.logical.maximum = maximum(data, global_.logical.minimum);
         break;
       case Item::physical_minimum:
-        global_.physical_low = whole(data);
+        global_.physical.minimum = whole(data);
         break;
       case Item::physical_maximum:
-        global_.physical_high = whole(data);
+        global_.physical.maximum = maximum(data, global_.physical.minimum);
         break;
       case Item::unit_exponent:  // four bits, signed
         global_.exponent = static_cast<int>(natural(data) & 0xFU);
@@ -159,14 +165,16 @@ class Parser {
   }
 
   InputField field(std::uint32_t usage, std::size_t bit) const {
-    InputField out{global_.report, usage, bit, global_.size, global_.low < 0, 0, 0};
-    const bool mapped = global_.physical_high != global_.physical_low && global_.high != global_.low;
-    const double slope = mapped ? (static_cast<double>(global_.physical_high) - global_.physical_low) /
-                                      (static_cast<double>(global_.high) - global_.low)
+    const Range &logical = global_.logical, &physical = global_.physical;
+    InputField out{global_.report, usage, bit, global_.size, logical.minimum < 0, logical, physical, 0, 0};
+    const bool mapped = !logical.is_empty() && !physical.is_empty();
+    const double slope = mapped ? static_cast<double>(physical.maximum - physical.minimum) /
+                                      static_cast<double>(logical.maximum - logical.minimum)
                                 : 1.0;
     const double unit_n = global_.unit == kForceInDyne ? kNewtonPerDyne : 1.0;
     out.newtons_a_count = slope * std::pow(10.0, global_.exponent) * unit_n;
-    out.zero_count = mapped ? global_.low - global_.physical_low / slope : 0;
+    out.zero_count =
+        mapped ? static_cast<double>(logical.minimum) - static_cast<double>(physical.minimum) / slope : 0;
     return out;
   }
 
@@ -180,6 +188,32 @@ std::string hex(std::uint32_t usage) {
   std::array<char, 16> text{};
   std::snprintf(text.data(), text.size(), "0x%08x", usage);
   return text.data();
+}
+
+std::string text_of(const Range& range) {
+  return std::to_string(range.minimum) + " to " + std::to_string(range.maximum);
+}
+
+// Without a rising range a count has no scale. A descriptor without a physical range means the logical one.
+void check_ranges(const InputField& field) {
+  const std::string where = "the input of usage " + hex(field.usage) + " in the device's report descriptor";
+  const std::string instead = ", whose maximum is not above its minimum: name its value by offset and type";
+  if (field.logical.is_empty())
+    throw DriverError(where + " has counts from " + text_of(field.logical) + instead);
+  if (field.physical != Range{} && field.physical.is_empty())
+    throw DriverError(where + " has a physical range from " + text_of(field.physical) + instead);
+}
+
+const InputField& readable_input(const std::vector<InputField>& fields, std::uint32_t usage) {
+  const auto found = std::ranges::find(fields, usage, &InputField::usage);
+  if (found == fields.end())
+    throw DriverError("the device has no input of usage " + hex(usage) + ", which the profile names");
+  if (found->bit % 8 != 0 || (found->bits != 8 && found->bits != 16 && found->bits != 32)) {
+    throw DriverError("the input of usage " + hex(usage) + " has " + std::to_string(found->bits) +
+                      " bits from bit " + std::to_string(found->bit) + " on; only whole bytes can be read");
+  }
+  check_ranges(*found);
+  return *found;
 }
 
 }  // namespace
@@ -196,26 +230,35 @@ std::size_t report_length(Bytes descriptor, std::uint8_t report) {
 
 void resolve_usages(decode::Profile& profile, Bytes descriptor) {
   const Parser parser(descriptor);
-  for (decode::PacketRule& rule : profile.scan) {
+  for (std::size_t i = 0; i < profile.scan.size(); ++i) {
+    decode::PacketRule& rule = profile.scan[i];
+    const std::string at = pointer_to("/scan/packets", i);
+    const InputField* first = nullptr;
     for (decode::Field& field : rule.fields) {
       if (field.usage == 0) continue;
-      const auto found = std::ranges::find(parser.fields, field.usage, &InputField::usage);
-      if (found == parser.fields.end())
-        throw DriverError("the device has no input of usage " + hex(field.usage) +
-                          ", which the profile names");
-      if (found->bit % 8 != 0 || (found->bits != 8 && found->bits != 16 && found->bits != 32)) {
-        throw DriverError("the input of usage " + hex(field.usage) + " has " + std::to_string(found->bits) +
-                          " bits from bit " + std::to_string(found->bit) +
-                          " on; only whole bytes can be read");
+      const InputField& found = readable_input(parser.fields, field.usage);
+      if (first == nullptr) first = &found;
+      if (found.report != first->report) {
+        throw DriverError("the profile's packet " + at + " has usages " + hex(first->usage) + " and " +
+                          hex(found.usage) + ", which are in the device's reports " +
+                          std::to_string(first->report) + " and " + std::to_string(found.report) +
+                          ": give each report a packet of its own");
       }
-      rule.id = found->report;
-      rule.length = report_length(descriptor, found->report);
-      field.offset = found->bit / 8;
-      field.type = {found->is_signed ? decode::NumberKind::whole : decode::NumberKind::natural,
-                    static_cast<std::uint8_t>(found->bits / 8), false};
-      field.zero = found->zero_count;
-      field.gain_pa *= found->newtons_a_count / profile.layout.area_m2();
+      field.offset = found.bit / 8;
+      field.type = {found.is_signed ? decode::NumberKind::whole : decode::NumberKind::natural,
+                    static_cast<std::uint8_t>(found.bits / 8), false};
+      field.zero = found.zero_count;
+      field.gain_pa *= found.newtons_a_count / profile.layout.area_m2();
     }
+    if (first == nullptr) continue;
+    rule.id = first->report;
+    rule.length = report_length(descriptor, first->report);
+    std::vector<Problem> problems;
+    decode::find_misplaced(profile, rule, at, problems);
+    if (problems.empty()) continue;
+    throw DriverError(problems.front().in("the profile") + ". Report " + std::to_string(rule.id) + " has " +
+                      std::to_string(rule.length) +
+                      " bytes by the device's report descriptor: correct the profile's offsets");
   }
 }
 

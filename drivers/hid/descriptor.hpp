@@ -12,12 +12,20 @@
 
 namespace slipd::hid {
 
+struct Range {
+  std::int64_t minimum = 0, maximum = 0;
+  bool is_empty() const noexcept { return maximum <= minimum; }
+  bool operator==(const Range&) const = default;
+};
+
 struct InputField {
-  std::uint8_t report = 0;     // report id; 0: the device's reports have none
-  std::uint32_t usage = 0;     // page << 16 | usage
-  std::size_t bit = 0;         // first bit in the report, counted behind the report id
-  std::size_t bits = 0;        // number of bits
-  bool is_signed = false;      // two's complement
+  std::uint8_t report = 0;  // report id; 0: the device's reports have none
+  std::uint32_t usage = 0;  // page << 16 | usage
+  std::size_t bit = 0;      // first bit in the report, counted behind the report id
+  std::size_t bits = 0;     // number of bits
+  bool is_signed = false;   // two's complement
+  Range logical;            // counts
+  Range physical;           // what the counts stand for, in the field's unit; 0 to 0: the counts themselves
   double newtons_a_count = 0;  // scale of a force by the descriptor; a field without unit counts as newtons
   double zero_count = 0;       // the count at 0 N
 };
@@ -30,7 +38,9 @@ std::vector<InputField> input_fields(std::span<const std::uint8_t> descriptor);
 std::size_t report_length(std::span<const std::uint8_t> descriptor, std::uint8_t report);
 
 // Fills in offset, type and scale of the fields that the profile names by usage. Throws DriverError for a
-// usage that the device does not have, or one that is not aligned to bytes.
+// usage that the device does not have, one that is not aligned to bytes, or one whose range is empty; for
+// usages of one packet in different reports; and for anything of the packet that lies behind the report's
+// end.
 void resolve_usages(decode::Profile& profile, std::span<const std::uint8_t> descriptor);
 
 // Reads the descriptor of /dev/hidrawN from sysfs, because hidapi does not provide it. Throws DriverError.

@@ -185,7 +185,7 @@ TEST(SerialDriver, ReadsARecordingOfTwoPadsOnOneBoardValueByValue) {
 TEST(SerialDriver, ReadsLinesOfNumbersAndDropsBrokenOnes) {
   Line line;
   Host host(line, "csv-force", 1);
-  line.say("7.5\n0.5, -0.25, 2\r\n");
+  line.say("25\n7.5\n0.5, -0.25, 2\r\n");
   ASSERT_TRUE(host.sees(ReadStatus::corrupt));
   ASSERT_TRUE(host.sees(ReadStatus::frame));
   const double area_m2 = 0.01 * 0.01;
@@ -194,10 +194,18 @@ TEST(SerialDriver, ReadsLinesOfNumbersAndDropsBrokenOnes) {
   EXPECT_THAT(host.slots[0].shear_y_pa, Each(FloatEq(static_cast<float>(-0.25 / area_m2))));
 }
 
+TEST(SerialDriver, ReadsNoForceOutOfTheRestOfALineAtItsOpening) {
+  Line line;
+  Host host(line, "csv-force", 1);
+  line.say("2.5,-0.2,31.25\n1,2,3\n");  // of "12.5,-0.2,31.25"
+  ASSERT_TRUE(host.sees(ReadStatus::frame));
+  EXPECT_THAT(host.slots[0].normal_pa, Each(FloatEq(static_cast<float>(3 / (0.01 * 0.01)))));
+}
+
 TEST(SerialDriver, SeesThatTheLineIsGoneAndReadsAnotherOne) {
   Line line;
   Host host(line, "csv-force", 1);
-  line.say("1,2,3\n");
+  line.say("3\n1,2,3\n");
   ASSERT_TRUE(host.sees(ReadStatus::frame));
   line.cut();
   EXPECT_TRUE(host.sees(ReadStatus::disconnected));

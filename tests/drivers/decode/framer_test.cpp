@@ -326,6 +326,35 @@ Bytes text(const std::string& line) {
   return {line.begin(), line.end()};
 }
 
+// Lines, and nothing where they begin.
+Stream by_line() {
+  Stream stream;
+  stream.end = {13, 10};
+  stream.longest = 32;
+  return stream;
+}
+
+TEST(FramesOfOnlyAnEndMarker, AreReadFromBehindTheFirstOneAfterEachOpening) {
+  for (const std::size_t pieces : {std::size_t{1}, std::size_t{5}, std::size_t{100}}) {
+    Framer framer(profile_with(by_line()));
+    for (int opening = 0; opening < 2; ++opening) {
+      const CutPackets cut = cut_into_packets(framer, text("2.5,-0.2,31.25\r\n1,2,3\r\n4,5,6\r\n7,"), pieces);
+      EXPECT_THAT(cut.packets, ElementsAre(text("1,2,3\r\n"), text("4,5,6\r\n"))) << pieces;
+      EXPECT_EQ(cut.invalid, 0) << "no frame was lost";
+      framer.reset();
+    }
+    EXPECT_EQ(framer.counts().garbage, 2 * text("2.5,-0.2,31.25\r\n").size());
+  }
+}
+
+TEST(FramesOfOnlyAnEndMarker, AreReportedMissingWhereItNeverComes) {
+  Framer framer(profile_with(by_line()));
+  EXPECT_EQ(cut_into_packets(framer, Bytes(32, '1')).invalid, 0);
+  const CutPackets cut = cut_into_packets(framer, Bytes(320, '1'), 10);
+  EXPECT_GE(cut.invalid, 5);
+  EXPECT_THAT(cut.packets, ElementsAre());
+}
+
 std::vector<double> numbers_of(const std::string& line, std::size_t values) {
   Bytes to(8 * values);
   const Bytes from = text(line);

@@ -146,6 +146,46 @@ TEST(Profile, ThatContradictsItselfIsRefusedWithThePlaceAndTheReason) {
       {"contactile-pts2",
        [](json& p) { p["stream"]["records"] = shipped("robotiq-tsf85")["stream"]["records"]; },
        "cannot be inside pts2"},
+      {"icub-mtb", [](json& p) { p["scan"]["packets"][1]["match"]["mask"] = 127; },
+       "/scan/packets/1/match/value = 128: has bits outside the mask 127, so no packet has it"},
+      {"optoforce", [](json& p) { p["stream"]["checksum"]["at"] = 60; },
+       "/stream/checksum = {…}: reaches out of a frame of 16 bytes"},
+      {"optoforce", [](json& p) { p["stream"]["checksum"]["at"] = -1; }, "reaches out of a frame"},
+      {"optoforce", [](json& p) { p["stream"]["checksum"]["from"] = -17; }, "reaches out of a frame"},
+      {"anyskin",
+       [](json& p) {
+         p["stream"] = {{"begin", {1, 2}}, {"end", {3}}, {"length", 2}};
+       },
+       "/stream/length = 2: is shorter than begin and end together"},
+      {"csv-force",
+       [](json& p) {
+         p["stream"]["end"] = {1, 2, 3};
+         p["stream"]["longest"] = 2;
+       },
+       "/stream/longest = 2: is shorter than begin and end together"},
+      {"3dconnexion", [](json& p) { p["scan"]["packets"][0]["id"] = 300; },
+       "/scan/packets/0/id = 300: is the id in repetition 0; driver hid has ids up to 255"},
+      {"3dconnexion",
+       [](json& p) {
+         p["start"] = {{{"id", 300}}};
+       },
+       "/start/0/id = 300: is no report id"},
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["id"] = "0x1FFFFFF1"; },
+       "/scan/packets/0/id = 536870912: is the id in repetition 15; driver can has ids up to 536870911"},
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["id"] = "0xE0000001"; },
+       "/scan/packets/0/id = \"0xE0000001\""},
+      {"xela-xr1944", [](json& p) { p["start"][0]["id"] = "0xE0000001"; }, "/start/0/id = \"0xE0000001\""},
+      {"optoforce", [](json& p) { p["usb"]["devices"][0]["vendor"] = "0x123404d8"; },
+       "/usb/devices/0/vendor = \"0x123404d8\""},
+      {"3dconnexion", [](json& p) { p["hid"]["product"] = 65536; }, "/hid/product = 65536"},
+      {"optoforce", [](json& p) { p["usb"]["in"] = "0x181"; }, "/usb/in = \"0x181\""},
+      {"optoforce", [](json& p) { p["usb"]["out"] = "0x81"; }, "/usb/out = \"0x81\""},
+      {"optoforce",
+       [](json& p) {
+         p["usb"].erase("out");
+         p["stop"] = {{{"bytes", {1}}}};
+       },
+       "/stop/0: has no endpoint to go to: name the device's in usb.out, or use control"},
   };
   for (const auto& [profile, change, said] : all)
     EXPECT_THAT(said_of(change, profile), HasSubstr(said)) << profile;
