@@ -25,7 +25,8 @@ class Engine {
   // Starts all threads. Once.
   void start(const RealtimeGrant& grant);
 
-  // Stops all threads by about `deadline`. False: a driver hangs, and this engine must not be destroyed.
+  // Stops all threads by about `deadline`, after the server ended. False: a driver or the disk hangs, and
+  // this engine must not be destroyed.
   bool stop(std::chrono::steady_clock::time_point deadline);
   // What had not ended when stop() returned, for people; empty: all had.
   const std::string& unfinished() const noexcept { return unfinished_; }

@@ -163,7 +163,7 @@ class Service {
   Clients clients_{io_};
   Recorder recorder_;
   std::unique_ptr<Engine> engine_;
-  std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their drivers hangs, so they are never destroyed
+  std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their threads hangs, so they are never destroyed
   std::unique_ptr<SocketFile> file_;
   std::optional<Server> server_;
   LogLimit log_limit_;
