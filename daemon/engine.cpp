@@ -47,7 +47,15 @@ bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
     if (!ended) unfinished_ += (unfinished_.empty() ? "" : ", ") + std::string(what);
   };
   note(can_stopped, "the CAN output");
-  note(!flight_ || flight_->join_until(deadline), "the flight recorder");
+  const bool recorded = !flight_ || flight_->join_until(deadline);
+  note(recorded, "the flight recorder");
+  // Its histories are freed here, because a driver that hangs keeps the engine for good. An acquire thread
+  // that comes back does not find them: the recorder's thread has detached its queues. Others that would look
+  // for it are the server and its clients' requests, which have ended.
+  if (recorded) {
+    context_.flight = nullptr;
+    flight_.reset();
+  }
   return unfinished_.empty();
 }
 

@@ -50,7 +50,7 @@ class Engine {
  private:
   const Settings settings_;
   Board board_;
-  std::unique_ptr<FlightRecorder> flight_;  // null: recorder.seconds is 0
+  std::unique_ptr<FlightRecorder> flight_;  // null: recorder.seconds is 0, or it was stopped
   ModelProvider models_;
   Doorbell output_bell_;
   std::optional<can::Output> can_;

@@ -9,6 +9,7 @@
 
 #include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
+#include "tests/support/process_facts.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -78,6 +79,24 @@ TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
   reload(only(trial_sensor("right")));
   daemon_.wait_for("gamma",
                    [](const json& r) { return serves(r, "right") && r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TheFlightRecordersMemoryIsFreedWhileADriverHangs) {
+  if (sanitized()) GTEST_SKIP() << "a sanitizer keeps freed memory";
+  constexpr std::size_t kHistoryKb = 49'000;  // of 1000 frames of 4096 taxels
+  const auto resident = [&] { return resident_kb(daemon_.program().pid()); };
+  for (const char* name : {"one", "two", "three", "four"}) {
+    const json wide{{"rate_hz", 100}, {"layout", {{"grid", {64, 64}}, {"pitch_mm", 0.3}}}};
+    reload(config_with(folder_,
+                       json::array({trial_sensor(name, json::object(), wide),
+                                    trial_sensor("ill", {{"behaviour", "hang_in_open"}})}),
+                       {{"recorder", {{"seconds", 5}}}}));
+    daemon_.wait_for("gamma", [&](const json& r) {
+      return r["sensors"][0]["sensor"] == name && r["sensors"][0]["state"] == "ok" && resident() > kHistoryKb;
+    });
+  }
+  EXPECT_LT(resident(), 2 * kHistoryKb);
   EXPECT_EQ(daemon_.stop(), 0);
 }
 
