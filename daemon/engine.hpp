@@ -31,8 +31,8 @@ class Engine {
   // What had not ended when stop() returned, for people; empty: all had.
   const std::string& unfinished() const noexcept { return unfinished_; }
 
-  // adopt_learned_state before start, release_learned_state after stop returned true: hand what estimators
-  // have learned to the next engine.
+  // adopt_learned_state before start, release_learned_state after stop, also if a driver hangs: hand what
+  // estimators have learned to the next engine.
   void adopt_learned_state(std::vector<LearnedState> learned) {
     pipeline_.adopt_learned_state(std::move(learned));
   }

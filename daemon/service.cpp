@@ -272,9 +272,8 @@ void Service::switch_to(std::unique_ptr<Engine> next) {
   drain_logs(engine_->board().logs, log_limit_);
   std::swap(engine_, next);
   log_limit_ = {};
-  if (clean) {
-    engine_->adopt_learned_state(next->release_learned_state());
-  } else {
+  engine_->adopt_learned_state(next->release_learned_state());
+  if (!clean) {
     write_log(LogLevel::error, {{}, Cause::none},
               "reload: " + next->unfinished() + " of the old configuration does not end, and is left behind");
     abandoned_.push_back(std::move(next));

@@ -82,6 +82,21 @@ TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
   EXPECT_EQ(daemon_.stop(), 0);
 }
 
+TEST_F(Reload, KeepsWhatSensorsHaveLearntBesideADriverThatHangs) {
+  const json sensors{trial_sensor("well"),
+                     trial_sensor("ill", {{"behaviour", "hang_in_read"}, {"after", 5}})};
+  reload(config_with(folder_, sensors));
+  daemon_.wait_for("status", [](const json& s) {
+    return s["sensors"].size() == 2 && s["sensors"][0]["state"] == "ok" && s["sensors"][1]["received"] == 5 &&
+           s["sensors"][1]["state"] == "stale";
+  });
+  reload(config_with(folder_, sensors, {{"log", {{"level", "debug"}}}}));
+  await_error("the driver of ill of the old configuration does not end");
+  await_error("well: estimating by moments, with what it had learnt before the reload");
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
 TEST_F(Reload, TheFlightRecordersMemoryIsFreedWhileADriverHangs) {
   if (sanitized()) GTEST_SKIP() << "a sanitizer keeps freed memory";
   constexpr std::size_t kHistoryKb = 49'000;  // of 1000 frames of 4096 taxels
