@@ -35,12 +35,27 @@ void Engine::start(const RealtimeGrant& grant) {
 
 bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   models_.stop();
+  // Before all that is waited for, so that the disk has as long as they together. Alerts come to it by the
+  // server, which has ended.
+  if (flight_) flight_->request_stop();
   // CAN first, so that receivers learn at once that no estimate holds any more.
   const bool can_stopped = !can_ || can_->stop(deadline);
   pipeline_.stop(deadline);
   unfinished_ = pipeline_.unfinished();
   board_.shared.close();
-  if (!can_stopped) unfinished_ += (unfinished_.empty() ? "" : ", ") + std::string("the CAN output");
+  const auto note = [this](bool ended, const char* what) {
+    if (!ended) unfinished_ += (unfinished_.empty() ? "" : ", ") + std::string(what);
+  };
+  note(can_stopped, "the CAN output");
+  const bool recorded = !flight_ || flight_->join_until(deadline);
+  note(recorded, "the flight recorder");
+  // Its histories are freed here, because a driver that hangs keeps the engine for good. An acquire thread
+  // that comes back does not find them: the recorder's thread has detached its queues. Others that would look
+  // for it are the server and its clients' requests, which have ended.
+  if (recorded) {
+    context_.flight = nullptr;
+    flight_.reset();
+  }
   return unfinished_.empty();
 }
 

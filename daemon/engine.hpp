@@ -25,13 +25,14 @@ class Engine {
   // Starts all threads. Once.
   void start(const RealtimeGrant& grant);
 
-  // Stops all threads by about `deadline`. False: a driver hangs, and this engine must not be destroyed.
+  // Stops all threads by about `deadline`, after the server ended. False: a driver or the disk hangs, and
+  // this engine must not be destroyed.
   bool stop(std::chrono::steady_clock::time_point deadline);
   // What had not ended when stop() returned, for people; empty: all had.
   const std::string& unfinished() const noexcept { return unfinished_; }
 
-  // adopt_learned_state before start, release_learned_state after stop returned true: hand what estimators
-  // have learned to the next engine.
+  // adopt_learned_state before start, release_learned_state after stop, also if a driver hangs: hand what
+  // estimators have learned to the next engine.
   void adopt_learned_state(std::vector<LearnedState> learned) {
     pipeline_.adopt_learned_state(std::move(learned));
   }
@@ -53,7 +54,7 @@ class Engine {
  private:
   const Settings settings_;
   Board board_;
-  std::unique_ptr<FlightRecorder> flight_;  // null: recorder.seconds is 0
+  std::unique_ptr<FlightRecorder> flight_;  // null: recorder.seconds is 0, or it was stopped
   ModelProvider models_;
   Doorbell output_bell_;
   std::optional<can::Output> can_;

@@ -163,7 +163,7 @@ class Service {
   Clients clients_{io_};
   Recorder recorder_;
   std::unique_ptr<Engine> engine_;
-  std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their drivers hangs, so they are never destroyed
+  std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their threads hangs, so they are never destroyed
   std::unique_ptr<SocketFile> file_;
   std::optional<Server> server_;
   LogLimit log_limit_;
@@ -273,9 +273,8 @@ void Service::switch_to(std::unique_ptr<Engine> next) {
   std::swap(engine_, next);
   log_limit_ = {};
   engine_->adopt_alerts(next->board());
-  if (clean) {
-    engine_->adopt_learned_state(next->release_learned_state());
-  } else {
+  engine_->adopt_learned_state(next->release_learned_state());
+  if (!clean) {
     write_log(LogLevel::error, {{}, Cause::none},
               "reload: " + next->unfinished() + " of the old configuration does not end, and is left behind");
     abandoned_.push_back(std::move(next));

@@ -104,9 +104,20 @@ bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
   bias_store_.request_stop();
   note(bias_store_.join_until(later), "the store of zeros");
   estimate_threads_.request_stop();
-  note(estimate_threads_.join_until(later), "an estimate thread");
-  note(estimator_factory_.join_until(later), "the set-up of an estimator");
+  const bool estimated = estimate_threads_.join_until(later);
+  note(estimated, "an estimate thread");
+  const bool set_up = estimator_factory_.join_until(later);
+  note(set_up, "the set-up of an estimator");
+  learning_ended_ = estimated && set_up;
   return unfinished_.empty();
+}
+
+// Drivers may hang. An acquire thread that comes back from one uses no estimator: it estimates only in its
+// turn (EstimateLoop::frame_delivered), and an estimate thread ends with the turn and keeps it. What it still
+// touches stays: feeds, which it shares, and the set-up's list of requests, which nobody reads.
+std::vector<LearnedState> Pipeline::release_learned_state() {
+  if (!learning_ended_) return {};
+  return estimator_factory_.release_learned_state();
 }
 
 }  // namespace slipd

@@ -29,8 +29,8 @@ class Pipeline {
   void adopt_learned_state(std::vector<LearnedState> learned) {
     estimator_factory_.adopt_learned_state(std::move(learned));
   }
-  // After stop returned true; see EstimatorFactory.
-  std::vector<LearnedState> release_learned_state() { return estimator_factory_.release_learned_state(); }
+  // After stop; see EstimatorFactory. Nothing if a thread that uses it has not ended.
+  std::vector<LearnedState> release_learned_state();
 
   // Stops and joins all threads, by about `deadline`. False: a driver hangs in its thread. Then nothing that
   // it may use can be destroyed, and the process can end only by _exit.
@@ -52,6 +52,7 @@ class Pipeline {
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
   BiasStore bias_store_;  // declared last of these: destroyed before the sensors it uses
   std::string unfinished_;
+  bool learning_ended_ = false;  // no thread uses estimators any more
 };
 
 }  // namespace slipd

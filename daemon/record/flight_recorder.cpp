@@ -56,7 +56,7 @@ FlightRecorder::FlightRecorder(const RecorderSettings& settings, Board& board)
 }
 
 FlightRecorder::~FlightRecorder() {
-  stop_.store(true, std::memory_order_relaxed);
+  request_stop();
 }
 
 void FlightRecorder::start() {
@@ -192,7 +192,8 @@ void FlightRecorder::write(Track& track, bool last) {
                                .start_monotonic_ns = history[0].time_ns,
                                .description = facts.description,
                                .zeroed = zeroed};
-  // A stop does not wait for what a client requested; a slip's recording is evidence.
+  // At a stop what a client requested is broken off; a slip's recording is evidence, and has all the time
+  // that Engine::stop leaves it.
   const auto give_up =
       last && reason == Reason::request ? Clock::now() + kStopPatience : Clock::time_point::max();
   const std::error_code error = folder_.add(name, kind, [&](int fd) {

@@ -37,14 +37,18 @@ class FlightRecorder {
   // Called from one thread: io. `board` outlives it. Throws std::runtime_error if there is no folder for
   // recordings; see recordings_directory.
   FlightRecorder(const RecorderSettings& settings, Board& board);
-  // Called from one thread: io. Joins; triggered recordings are written first, with the frames that there
-  // are.
+  // Called from one thread: io. Requests a stop and joins, unless join_until has.
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
   // Called from one thread: io. Starts the thread. Once.
   void start();
+  // Called from one thread: io. Returns at once. The thread writes triggered recordings, with the frames that
+  // there are, and ends: as late as the disk lets it.
+  void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+  // Called from one thread: io. See Thread::join_until.
+  bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
   // Why a recording is made; part of its file's name, and a kind of file with a limit of its own.
   enum class Reason : std::uint8_t { none, request, slip };

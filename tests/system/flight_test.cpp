@@ -1,6 +1,10 @@
 // The flight recorder in the real daemon: on an alert, on request, and on a disk that takes nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <fstream>
 
 #include "core/recording/recording.hpp"
 #include "tests/support/daemon.hpp"
@@ -98,6 +102,49 @@ TEST(Flight, ADiskThatTakesNothingLosesOnlyTheRecording) {
   EXPECT_EQ(ran.code, 1);
   EXPECT_THAT(ran.errors, ::testing::HasSubstr("could not be kept"));
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+}
+
+// A slip is being written to a disk that stalls while the file "stalled" is in the folder.
+class StalledDisk : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (sanitized()) GTEST_SKIP() << "the sanitizer must be the first library";
+    daemon_.emplace(config({{"gamma", 0.05}}), trial_drivers(),
+                    Program::Environment{
+                        {"STATE_DIRECTORY", state_.path().string()},
+                        {"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-stalled-disk.so"},
+                        {"SLIPD_STALLED_DISK", stalled_.string()}});
+    await_recording(".part");
+  }
+  json config(const json& options) const { return watched(folder_, options, {{"seconds", 0.05}}); }
+  void await_recording(const std::string& extension) const {
+    daemon_->wait_for("version", [&](const json&) {
+      const auto there = [&](const auto& file) { return file.extension() == extension; };
+      return std::filesystem::exists(state_.file("recordings")) &&
+             std::ranges::any_of(recordings(state_), there);
+    });
+  }
+  const TempFolder folder_;
+  const TempFolder state_;
+  const std::filesystem::path stalled_ = folder_.write("stalled", "");
+  std::optional<Daemon> daemon_;
+};
+
+TEST_F(StalledDisk, DoesNotKeepAReloadFromItsEndAndCostsNoRecording) {
+  std::ofstream(daemon_->config()) << config({{"gamma", 0.5}}).dump();
+  daemon_->program().signal(SIGHUP);
+  daemon_->wait_for_log("reload: the new configuration is in force");
+  daemon_->wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  EXPECT_THAT(daemon_->program().errors(),
+              ::testing::HasSubstr("the flight recorder of the old configuration does not end"));
+  std::filesystem::remove(stalled_);
+  await_recording(".rec");
+  EXPECT_EQ(daemon_->stop(), 0);
+}
+
+TEST_F(StalledDisk, DoesNotKeepAStopFromItsEnd) {
+  EXPECT_EQ(daemon_->stop(), 0);
+  EXPECT_THAT(daemon_->program().errors(), ::testing::HasSubstr("the flight recorder does not end"));
 }
 
 TEST(Flight, IsOffUnlessAskedFor) {

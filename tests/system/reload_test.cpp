@@ -10,6 +10,7 @@
 
 #include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
+#include "tests/support/process_facts.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -171,6 +172,39 @@ TEST_F(Reload, TellsWhoWaitsForEstimatesThatItsSensorIsGone) {
   reload(only(trial_sensor("right")));
   while (next_event(subscriber) != Told{"estimate", "left", "fault", "unknown"}) {
   }
+}
+
+TEST_F(Reload, KeepsWhatSensorsHaveLearntBesideADriverThatHangs) {
+  const json sensors{trial_sensor("well"),
+                     trial_sensor("ill", {{"behaviour", "hang_in_read"}, {"after", 5}})};
+  reload(config_with(folder_, sensors));
+  daemon_.wait_for("status", [](const json& s) {
+    return s["sensors"].size() == 2 && s["sensors"][0]["state"] == "ok" && s["sensors"][1]["received"] == 5 &&
+           s["sensors"][1]["state"] == "stale";
+  });
+  reload(config_with(folder_, sensors, {{"log", {{"level", "debug"}}}}));
+  await_error("the driver of ill of the old configuration does not end");
+  await_error("well: estimating by moments, with what it had learnt before the reload");
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST_F(Reload, TheFlightRecordersMemoryIsFreedWhileADriverHangs) {
+  if (sanitized()) GTEST_SKIP() << "a sanitizer keeps freed memory";
+  constexpr std::size_t kHistoryKb = 49'000;  // of 1000 frames of 4096 taxels
+  const auto resident = [&] { return resident_kb(daemon_.program().pid()); };
+  for (const char* name : {"one", "two", "three", "four"}) {
+    const json wide{{"rate_hz", 100}, {"layout", {{"grid", {64, 64}}, {"pitch_mm", 0.3}}}};
+    reload(config_with(folder_,
+                       json::array({trial_sensor(name, json::object(), wide),
+                                    trial_sensor("ill", {{"behaviour", "hang_in_open"}})}),
+                       {{"recorder", {{"seconds", 5}}}}));
+    daemon_.wait_for("gamma", [&](const json& r) {
+      return r["sensors"][0]["sensor"] == name && r["sensors"][0]["state"] == "ok" && resident() > kHistoryKb;
+    });
+  }
+  EXPECT_LT(resident(), 2 * kHistoryKb);
+  EXPECT_EQ(daemon_.stop(), 0);
 }
 
 TEST_F(Reload, EndsARecordingAndSaysSo) {
