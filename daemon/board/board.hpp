@@ -75,7 +75,8 @@ struct DeviceFacts {
   double budget_us = 0;
   // Why there is no device or no estimator, for people; empty: there is.
   std::string trouble;
-  // Why the bias was not restored or not saved, for people; empty: it was.
+  // Why there is no bias yet, or why it was not restored, not used or not saved, for people; empty: it was,
+  // or slipd measures none.
   std::string zero_trouble;
 };
 

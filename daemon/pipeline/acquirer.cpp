@@ -192,6 +192,7 @@ void Acquirer::connect_bias(SensorChannel& channel, const DeviceInfo& info, cons
     return channel.bias->device_reopened();
   if (channel.bias) bias_store_.unregister_sensor(channel.bias);
   channel.bias = measured ? bias_store_.register_sensor(status, sensor, identity, log_) : nullptr;
+  if (!channel.bias) status.change_facts([](DeviceFacts& facts) { facts.zero_trouble.clear(); });
   if (!sensor.calibrated) status.bias.report.store(BiasReport{});
 }
 
