@@ -165,6 +165,19 @@ TEST_F(SlipctlWithADaemon, PrintsMarginsAsATable) {
   EXPECT_THAT(ran.out, AllOf(HasSubstr("sensor  state  gamma"), HasSubstr("left    ok      0.62")));
 }
 
+TEST(Program, TellsASensorWithoutAnEstimatorFromOneWithoutFrames) {
+  const auto connected_of = [](const json& method, bool receiving) {
+    const json sensor{{"name", "left"}, {"method", method}, {"connected", true}, {"receiving", receiving}};
+    const json answer{{"sensors", json::array({sensor})}};
+    const FakeDaemon daemon(by_method({{"sensors", [&](const json&) { return answer; }}}));
+    return slipctl_with({"--socket", daemon.path(), "sensors"}).out;
+  };
+  EXPECT_THAT(connected_of(nullptr, false), AllOf(HasSubstr("open, no estimator"), Not(HasSubstr("frames"))));
+  EXPECT_THAT(connected_of("fit", false), AllOf(HasSubstr("open, no frames"), Not(HasSubstr("estimator"))));
+  EXPECT_THAT(connected_of("fit", true), Not(HasSubstr("open")));
+  EXPECT_THAT(connected_of(nullptr, true), Not(HasSubstr("open"))) << "a model is being trained";
+}
+
 TEST_F(SlipctlWithADaemon, PrintsTheDaemonsOwnJsonWhenAsked) {
   EXPECT_EQ(json::parse(ask({"--json", "sensors"}).out), sensors_sample({"left"}));
   EXPECT_EQ(json::parse(ask({"frame", "left", "--json"}).out), frame_sample(4, 4));

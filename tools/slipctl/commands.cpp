@@ -35,8 +35,9 @@ void print_sensors(const CommonOptions& common) {
   }
   json sensors = result.value("sensors", json::array());
   for (json& sensor : sensors) {
-    if (sensor.value("connected", false) && !sensor.value("receiving", true))
-      sensor["connected"] = "open, no frames";
+    if (!sensor.value("connected", false) || sensor.value("receiving", true)) continue;
+    const bool estimates = sensor.value("method", json()).is_string();
+    sensor["connected"] = estimates ? "open, no frames" : "open, no estimator";
   }
   std::cout << table_of(sensors,
                         {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
