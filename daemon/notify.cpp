@@ -64,7 +64,7 @@ void status(const ServiceContext& context, std::string& last) {
   std::size_t connected = 0;
   std::string absent;
   for (const auto& status : context.board.sensors) {
-    const std::string trouble = status->facts().trouble;
+    const std::string trouble = device_trouble(*status, status->facts(), Now::read().monotonic_ns);
     if (status->link.load(std::memory_order_relaxed) == DeviceLink::open && trouble.empty()) {
       ++connected;
       continue;

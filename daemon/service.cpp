@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/chain/chain_parts.hpp"
 #include "daemon/engine.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/notify.hpp"
@@ -52,6 +53,12 @@ ChainSetup chain_setup_of(const Settings& settings, const SensorSettings& sensor
           .friction = sensor.friction};
 }
 
+// As the configuration writes it.
+std::string name_of(MethodChoice method) {
+  const auto& choices = method_choices();
+  return std::ranges::find(choices, method, [](const auto& choice) { return choice.second; })->first;
+}
+
 // A sensor's trained method that is not installed is a mistake of the configuration, as a driver is.
 std::string why_no_trained_method(const Settings& settings) {
   const bool needed = std::ranges::any_of(settings.sensors, [&](const SensorSettings& sensor) {
@@ -73,10 +80,7 @@ std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, c
       throw SettingsError({problem_of("/metrics/file", metrics.string(), why).in(file)});
   }
   if (const std::string why = why_no_trained_method(settings); !why.empty())
-    throw SettingsError(
-        {problem_of("/estimator/method",
-                    settings.estimator.method == MethodChoice::svd_knn ? "svd-knn" : "registered", why)
-             .in(file)});
+    throw SettingsError({problem_of("/estimator/method", name_of(settings.estimator.method), why).in(file)});
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
   } catch (const SettingsError& error) {
@@ -302,37 +306,58 @@ int Service::end(int code) {
   return code;
 }
 
-// Opening a recording touches no device, and compares its columns with the sensor's layout. One that is not
-// there yet is no mistake of the configuration. Throws SettingsError.
-void check_recordings(const Settings& settings, DriverModules& drivers, const std::string& name) {
+// Judges sensors that are known without their device: simulated ones and recordings. Opening a recording
+// touches no device, and compares its columns with the sensor's layout. One that is not there yet is no
+// mistake of the configuration. Throws SettingsError.
+void check_sensors(const Settings& settings, DriverModules& drivers, const std::string& name) {
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
     const SensorSettings& sensor = settings.sensors[i];
-    if (sensor.driver != "replay") continue;
-    std::error_code unknown;
-    if (!std::filesystem::exists(sensor.setup.options.value("file", ""), unknown)) continue;
-    try {
-      drivers.find(sensor.driver)->create({sensor.setup})->open();
-    } catch (const DriverError& error) {
-      problems.push_back(name + ": /sensors/" + std::to_string(i) + "/options: " + error.what());
+    ChainSetup setup = chain_setup_of(settings, sensor);
+    if (sensor.driver == "replay") {
+      std::error_code unknown;
+      if (!std::filesystem::exists(sensor.setup.options.value("file", ""), unknown)) continue;
+      try {
+        const DeviceInfo info = drivers.find(sensor.driver)->create({sensor.setup})->open();
+        setup.sensor_class = info.sensors.front().sensor_class;
+      } catch (const DriverError& error) {
+        problems.push_back(name + ": /sensors/" + std::to_string(i) + "/options: " + error.what());
+        continue;
+      }
+    } else if (sensor.driver != "sim") {
+      continue;
     }
+    if (const std::string why = why_method_cannot_read(setup); !why.empty())
+      problems.push_back(problem_of("/estimator/method", name_of(settings.estimator.method),
+                                    "sensor \"" + sensor.setup.name + "\": " + why)
+                             .in(name));
   }
   if (!problems.empty()) throw SettingsError(std::move(problems));
+}
+
+// What check_sensors cannot refuse, because the device says what it measures. A profile brings the layout,
+// so that with one nothing is known.
+std::string why_method_may_not_read(const Settings& settings, const SensorSettings& sensor) {
+  if (!sensor.setup.profile.empty() || sensor.driver == "sim" || sensor.driver == "replay") return {};
+  const std::string why = why_method_cannot_read(chain_setup_of(settings, sensor));
+  return why.empty() ? why : "it gets no estimate if its device measures shear: " + why;
 }
 
 }  // namespace
 
 Settings check_configuration(const std::string& file, DriverModules& drivers) {
   Settings settings = load_settings(file, drivers);
-  check_recordings(settings, drivers, file);
+  check_sensors(settings, drivers, file);
   return make_engine(std::move(settings), drivers, file)->settings();
 }
 
 std::vector<std::string> notes_on(const Settings& settings) {
   std::vector<std::string> notes;
   for (const auto& sensor : settings.sensors) {
-    const std::string why = why_method_is_replaced(chain_setup_of(settings, sensor));
-    if (!why.empty()) notes.push_back(sensor.setup.name + ": " + why);
+    for (const std::string& why : {why_method_is_replaced(chain_setup_of(settings, sensor)),
+                                   why_method_may_not_read(settings, sensor)}) {
+      if (!why.empty()) notes.push_back(sensor.setup.name + ": " + why);
+    }
   }
   return notes;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -35,10 +36,6 @@ std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& 
 }
 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
-  if (!reads_pressure_maps(setup.layout, setup.scene.skin))
-    throw std::invalid_argument(
-        "method closing under a skin with depth_mm above 0 needs a regular grid of taxels and the base "
-        "half_space");
   return make_pressure_maps(setup.layout, known_friction(setup).range, setup.scene.skin);
 }
 
@@ -99,15 +96,23 @@ std::unique_ptr<SlipMethod> with_maps_beside(const ChainSetup& setup, const Work
   return std::make_unique<MapsAtSurface>(setup.layout, std::move(method), make_closing(setup));
 }
 
+std::string why_method_cannot_read(const ChainSetup& setup) {
+  const MethodChoice wanted = setup.estimator.method;
+  if (!(sensed_depth_m(setup) > 0) || fits_whole_pad(setup) || wanted == MethodChoice::automatic ||
+      wanted == MethodChoice::fit)
+    return {};
+  if (wanted != MethodChoice::closing)
+    return "a skin with depth_mm above 0 needs the estimator's method fit, closing or auto";
+  if (reads_pressure_maps(setup.layout, setup.scene.skin)) return {};
+  return "method closing under a skin with depth_mm above 0 needs a regular grid of taxels and the base "
+         "half_space; otherwise use fit or auto";
+}
+
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
                                         const std::shared_ptr<const TrainedModel>& model,
                                         WorkPrecision& work_precision) {
   const MethodChoice wanted = setup.estimator.method;
-  if (has_skin(setup) && wanted != MethodChoice::automatic && wanted != MethodChoice::fit &&
-      wanted != MethodChoice::closing && !fits_whole_pad(setup)) {
-    throw std::invalid_argument(
-        "a skin with depth_mm above 0 needs the estimator's method fit, closing or auto");
-  }
+  if (const std::string why = why_method_cannot_read(setup); !why.empty()) throw std::invalid_argument(why);
   if (needs_model(setup) && (!model || !(model->layout() == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "core/chain/setup/setup.hpp"
 #include "core/health/limits.hpp"
@@ -19,9 +20,12 @@ ChainSetup with_sensed_skin(const ChainSetup& setup);
 // Given for the sensor, else what its scene expects.
 KnownFriction known_friction(const ChainSetup& setup);
 
+// Why the configured method cannot read these taxels under their skin, for people; empty: it can.
+std::string why_method_cannot_read(const ChainSetup& setup);
+
 // The method of single frames of a curved skin. Sets `work_precision` to what the choice was made by, or to
 // that of the model. Throws std::invalid_argument if the method needs a model of this layout and there is
-// none, or if it cannot read taxels under a skin.
+// none, or with why_method_cannot_read.
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
                                         const std::shared_ptr<const TrainedModel>& model,
                                         WorkPrecision& work_precision);

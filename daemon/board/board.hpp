@@ -20,6 +20,7 @@
 #include "core/health/health.hpp"
 #include "core/reading/method/work_precision.hpp"
 #include "daemon/board/bias_channel.hpp"
+#include "daemon/board/driver_watch.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
@@ -75,7 +76,8 @@ struct DeviceFacts {
   double budget_us = 0;
   // Why there is no device or no estimator, for people; empty: there is.
   std::string trouble;
-  // Why the bias was not restored or not saved, for people; empty: it was.
+  // Why there is no bias yet, or why it was not restored, not used or not saved, for people; empty: it was,
+  // or slipd measures none.
   std::string zero_trouble;
 };
 
@@ -119,6 +121,8 @@ class SensorStatus {
   // Written by one thread: acquire, with release. A reader with acquire (EstimateLoop::process,
   // can::CanSource::view_at) also sees the frames delivered before. Readers that only show it use relaxed.
   std::atomic<DeviceLink> link{DeviceLink::opening};
+  // Whether the driver hangs. Written by one thread: acquire.
+  DriverWatch driver_watch;
   // Packets or frames that the driver dropped. Written by one thread: acquire. Relaxed: a counter.
   std::atomic<std::uint64_t> corrupt{0};
   // Reads that returned without a frame. Written by one thread: acquire. Relaxed: a counter.
@@ -151,6 +155,13 @@ class SensorStatus {
   mutable std::mutex mutex_;
   DeviceFacts facts_;
 };
+
+// Why there is no device or no estimator, for people; empty: there is. `facts`: of `status`. now_ns:
+// CLOCK_MONOTONIC. Called from any thread but real-time ones.
+inline std::string device_trouble(const SensorStatus& status, const DeviceFacts& facts, std::int64_t now_ns) {
+  const char* const hangs = status.driver_watch.trouble(now_ns);
+  return hangs != nullptr ? hangs : facts.trouble;
+}
 
 // What threads share about a grasp: sensors that hold one object. Thread-safe.
 class GraspStatus {

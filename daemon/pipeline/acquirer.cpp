@@ -19,6 +19,13 @@ constexpr auto kReadTimeout = 50ms;
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
 constexpr auto kSilence = 2s;  // without a frame since the device was opened, before the reason is asked for
+// A call of the driver that lasts longer than it may by this much hangs. Shorter: a busy machine looks like a
+// driver that hangs. Longer: the reason comes later.
+constexpr auto kHang = 2s;
+constexpr auto kOpening = 5s;  // that open may last
+// Between two times that are left in DriverWatch while reads return. Shorter: more writes for each read, to
+// what other threads look at, for all sensors of a bus. Longer: a hanging read is noticed that much earlier.
+constexpr auto kWatchInterval = 100ms;
 // Frames over which the time between two is averaged: more than one scan of the largest bus has. Fewer: the
 // pause after a scan counts for the frames of the next. More: a change of the rate is seen later.
 constexpr std::int64_t kFramesOfInterval = 256;
@@ -120,7 +127,7 @@ void Acquirer::open_and_read() {
 bool Acquirer::open() {
   std::string trouble;
   try {
-    const DeviceInfo info = driver_->open();
+    const DeviceInfo info = open_driver();
     if (info.sensors.size() == channels_.size()) {
       connect_sensors(info);
       log_.write(LogLevel::info, {name_}, "%s: open: %s", name_.c_str(), info.description.c_str());
@@ -143,6 +150,31 @@ bool Acquirer::open() {
       channel.runtime->status.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });
   }
   return false;
+}
+
+DeviceInfo Acquirer::open_driver() {
+  enter_driver(DriverWatch::Call::open, kOpening);
+  try {
+    DeviceInfo info = driver_->open();
+    leave_driver();
+    return info;
+  } catch (...) {
+    leave_driver();
+    throw;
+  }
+}
+
+void Acquirer::enter_driver(DriverWatch::Call call, Clock::duration allowed) noexcept {
+  const auto now = Clock::now();
+  if (entered_at_ && now - *entered_at_ < kWatchInterval) return;
+  entered_at_ = now;
+  const std::int64_t due_ns = (now + allowed + kHang).time_since_epoch() / std::chrono::nanoseconds(1);
+  for (auto& channel : channels_) channel.runtime->status.driver_watch.enter(call, due_ns);
+}
+
+void Acquirer::leave_driver() noexcept {
+  entered_at_.reset();
+  for (auto& channel : channels_) channel.runtime->status.driver_watch.leave();
 }
 
 void Acquirer::connect_sensors(const DeviceInfo& info) {
@@ -192,6 +224,7 @@ void Acquirer::connect_bias(SensorChannel& channel, const DeviceInfo& info, cons
     return channel.bias->device_reopened();
   if (channel.bias) bias_store_.unregister_sensor(channel.bias);
   channel.bias = measured ? bias_store_.register_sensor(status, sensor, identity, log_) : nullptr;
+  if (!channel.bias) status.change_facts([](DeviceFacts& facts) { facts.zero_trouble.clear(); });
   if (!sensor.calibrated) status.bias.report.store(BiasReport{});
 }
 
@@ -210,6 +243,7 @@ Acquirer::ReadEnd Acquirer::read_in_realtime() {
   for (;;) {
     enter_realtime(realtime_, grant_);
     const ReadEnd end = read_until_closed();
+    leave_driver();
     leave_realtime(grant_);
     if (end != ReadEnd::silent && end != ReadEnd::away && end != ReadEnd::speaking) return end;
     set_silence(end);
@@ -241,6 +275,7 @@ void Acquirer::set_silence(ReadEnd how) {
 
 Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
   while (!stopping()) {
+    enter_driver(DriverWatch::Call::read, kReadTimeout);
     const ReadResult result = driver_->read(slots_, kReadTimeout);
     // A frame for a sensor that the device does not have counts as corrupt.
     const bool known = result.sensor < channels_.size();
@@ -295,6 +330,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
   FrameFeed& feed = *channel.feed;
   while (feed.paced && feed.mailbox.has_unread()) {
     if (stopping()) return false;
+    leave_driver();  // the estimator may take long, as while a model is trained
     const std::uint32_t rung = feed.taken.ring_count();
     if (feed.mailbox.has_unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
   }

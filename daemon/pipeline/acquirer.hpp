@@ -63,6 +63,9 @@ class Acquirer {
   void run();
   void open_and_read();
   bool open();
+  DeviceInfo open_driver();
+  void enter_driver(DriverWatch::Call call, Doorbell::Clock::duration allowed) noexcept;
+  void leave_driver() noexcept;
   void connect_sensors(const DeviceInfo& info);
   void connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
   ReadEnd read_in_realtime();
@@ -89,6 +92,7 @@ class Acquirer {
   std::string silence_;     // the trouble that set_silence wrote; empty: none
   Doorbell::Clock::time_point opened_at_;
   Doorbell::Clock::time_point last_frame_at_;
+  std::optional<Doorbell::Clock::time_point> entered_at_;  // of the call in DriverWatch; none: in no call
   std::int64_t interval_ns_ = 0;  // mean time between frames of the device; 0: not known
   RealtimeSettings realtime_;
   RealtimeGrant grant_;

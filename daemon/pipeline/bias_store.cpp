@@ -55,9 +55,9 @@ std::shared_ptr<BiasWorker> BiasStore::register_sensor(SensorStatus& status, con
       log.write(LogLevel::info, {status.name}, "%s: its zero, taken %.0f s ago, is restored",
                 status.name.c_str(), seconds_since(zero->taken_ns));
     } else {
-      log.write(LogLevel::warning, {status.name},
-                "%s: its zero is not known yet: unload it, then run slipctl rebias %s", status.name.c_str(),
-                status.name.c_str());
+      // save() ends it: the first zero is saved at once.
+      trouble = "its zero is not known yet: unload it, then run slipctl rebias " + status.name;
+      log.write(LogLevel::warning, {status.name}, "%s: %s", status.name.c_str(), trouble.c_str());
     }
   } catch (const std::exception& error) {
     trouble = error.what();

@@ -1,5 +1,7 @@
 #include "daemon/telemetry/frame_health_monitor.hpp"
 
+#include "daemon/rt/clock.hpp"
+
 namespace slipd {
 namespace {
 
@@ -12,6 +14,9 @@ constexpr int kSecondsBehind = 3;
 // Seconds in a row with many repeated frames before they are reported, because a quiet sensor with coarse
 // steps repeats some.
 constexpr int kSecondsRepeating = 3;
+// Checks in a row that find a driver hanging before it is reported, because after the whole process was
+// stopped for a while a first check may come before the driver's next return.
+constexpr int kSecondsHanging = 2;
 // Frames of a second that repeat the one before, share, 0.1 to 0.5. Below, a quiet sensor's steps may be
 // coarse.
 constexpr double kRepeatedShare = 0.3;
@@ -36,19 +41,21 @@ HealthTotals health_totals_of(const SensorStatus& status) {
           .skipped = counts.skipped,
           .repeated = status.repeated.load(std::memory_order_relaxed),
           .events_lost = status.events_lost.load(std::memory_order_relaxed),
-          .simulated = status.simulated.load(std::memory_order_relaxed)};
+          .simulated = status.simulated.load(std::memory_order_relaxed),
+          .driver_hangs = status.driver_watch.trouble(Now::read().monotonic_ns)};
 }
 
 std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const std::string& name,
                                                     const std::string& device, const HealthTotals& totals,
                                                     Clock::time_point now) {
   if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
-  auto& [kinds, last, seconds_behind, seconds_repeating] = sensors_[sensor];
+  auto& [kinds, last, seconds_behind, seconds_hanging, seconds_repeating] = sensors_[sensor];
   const bool behind = static_cast<double>(totals.skipped - last.skipped) >
                       kSkippedShare * static_cast<double>(totals.received - last.received);
   seconds_behind = behind ? seconds_behind + 1 : 0;
   const bool repeating = measures_slower(static_cast<double>(totals.received - last.received),
                                          static_cast<double>(totals.repeated - last.repeated));
+  seconds_hanging = totals.driver_hangs != nullptr ? seconds_hanging + 1 : 0;
   seconds_repeating = repeating ? seconds_repeating + 1 : 0;
   last = totals;
   std::vector<HealthNotice> notices;
@@ -59,6 +66,7 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
     kind = {.last_reported = total, .muted_until = now + kInterval};
   };
   const std::string on = device.empty() ? ": " : " (" + device + "): ";
+  if (seconds_hanging == kSecondsHanging) notices.push_back({Cause::device, name + on + totals.driver_hangs});
   report(damaged, Cause::device, totals.corrupt, [&](std::uint64_t more) {
     return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
   });

@@ -1,5 +1,6 @@
-// Finds problems with frames (corrupt, lost, skipped) for the log: what, how many, and the most likely cause.
-// Each kind is reported at most once a minute for a sensor, with the number since the last report.
+// Finds problems with frames (corrupt, lost, skipped) and drivers that hang, for the log: what, how many, and
+// the most likely cause. Each kind is reported at most once a minute for a sensor, with the number since the
+// last report.
 #pragma once
 
 #include <array>
@@ -29,6 +30,8 @@ struct HealthTotals {
   std::uint64_t events_lost = 0;
   // Whether the device is a simulation.
   bool simulated = false;
+  // That its driver hangs, see DriverWatch; null: it does not.
+  const char* driver_hangs = nullptr;
 };
 // The present totals. Called from any thread.
 HealthTotals health_totals_of(const SensorStatus& status);
@@ -67,6 +70,7 @@ class FrameHealthMonitor {
     std::array<Kind, kKinds> kinds;
     HealthTotals last;
     int seconds_behind = 0;     // checks in a row that found many skipped frames
+    int seconds_hanging = 0;    // checks in a row that found its driver hanging
     int seconds_repeating = 0;  // checks in a row that found many repeated ones, and new ones
   };
   std::vector<Sensor> sensors_;

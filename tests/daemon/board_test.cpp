@@ -1,4 +1,6 @@
 // Data shared by threads, accessed from several threads at once.
+#include "daemon/board/board.hpp"
+
 #include <gtest/gtest.h>
 #include <poll.h>
 
@@ -171,6 +173,21 @@ TEST(RecordTap, EveryFrameOfferedIsTakenOrCountedAsMissed) {
     }
   }
   acquire.join();
+}
+
+TEST(DriverWatch, TellsThatADriverHangsOnceItsCallShouldHaveReturned) {
+  SensorStatus status("left", "trial");
+  const auto trouble_at = [&](std::int64_t now_ns) { return device_trouble(status, status.facts(), now_ns); };
+  status.change_facts([](DeviceFacts& facts) { facts.trouble = "the device is gone"; });
+  EXPECT_EQ(trouble_at(5000), "the device is gone");
+  status.driver_watch.enter(DriverWatch::Call::open, 1000);
+  EXPECT_EQ(trouble_at(1000), "the device is gone") << "it may still return";
+  EXPECT_EQ(trouble_at(1001).find("its driver does not return from open"), 0U);
+  status.driver_watch.enter(DriverWatch::Call::read, 2000);
+  EXPECT_EQ(trouble_at(2000), "the device is gone");
+  EXPECT_EQ(trouble_at(2001).find("its driver does not return from read"), 0U);
+  status.driver_watch.leave();
+  EXPECT_EQ(trouble_at(5000), "the device is gone");
 }
 
 }  // namespace

@@ -39,6 +39,16 @@ TEST_F(FrameHealthMonitorTest, TheDeviceIsNamedForWhatItDid) {
               ElementsAre(HasSubstr("7 frames never came whole (by the device's count, if it has one")));
 }
 
+TEST_F(FrameHealthMonitorTest, ADriverThatHangsIsReportedOnceEachTimeAndNotAtTheFirstLook) {
+  const HealthTotals hangs{.driver_hangs = "its driver does not return"};
+  EXPECT_THAT(after(1s, hangs), IsEmpty());
+  EXPECT_THAT(after(2s, hangs), ElementsAre("left (XELA on can0): its driver does not return"));
+  EXPECT_THAT(after(3s, hangs), IsEmpty());
+  EXPECT_THAT(after(4s, {}), IsEmpty());
+  EXPECT_THAT(after(5s, hangs), IsEmpty());
+  EXPECT_THAT(after(6s, hangs), ElementsAre(HasSubstr("does not return")));
+}
+
 TEST_F(FrameHealthMonitorTest, ASensorThatMeasuresLessOftenThanItsFramesComeIsReported) {
   const auto second = [&](int s) {
     return after(std::chrono::seconds(s), {.received = static_cast<std::uint64_t>(41 * s),

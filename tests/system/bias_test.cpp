@@ -63,12 +63,15 @@ TEST_F(BiasTest, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
     EXPECT_EQ(before["gamma"], nullptr);
     EXPECT_EQ(before["normal_n"], nullptr);
     EXPECT_EQ(zero_of(daemon)["origin"], "none");
+    EXPECT_EQ(zero_of(daemon)["trouble"],
+              "its zero is not known yet: unload it, then run slipctl rebias left");
     const json taken = daemon.client().result("rebias", {{"sensor", "left"}});
     EXPECT_EQ(taken["sensor"], "left");
     EXPECT_EQ(taken["origin"], "command");
     EXPECT_EQ(taken["trouble"], nullptr);
     EXPECT_NEAR(taken["noise_normal_pa"].get<double>(), 200 / std::sqrt(3), 5) << "uniform, 0.2 % of 100 kPa";
     await(daemon, "no_contact");
+    EXPECT_EQ(zero_of(daemon)["trouble"], nullptr);
     EXPECT_EQ(std::filesystem::status(kept()).permissions(), std::filesystem::perms(0640));
   }
   const Daemon daemon = start(kHeld);
@@ -116,6 +119,8 @@ TEST_F(BiasTest, OfASensorThatReadsZeroWithoutLoadNeedsNoRequest) {
   const Daemon daemon = start(kFree, {{"zero_spread_kpa", 0}});
   await(daemon, "no_contact");
   EXPECT_EQ(zero_of(daemon)["origin"], "no_load");
+  daemon.wait_for("status",
+                  [](const json& status) { return status["sensors"][0]["zero"]["trouble"].is_null(); });
 }
 
 TEST_F(BiasTest, ThatIsDamagedOrOfAnotherSensorIsRefusedWithItsReason) {

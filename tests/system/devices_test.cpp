@@ -52,6 +52,23 @@ TEST(Devices, ADriverThatHangsMakesOnlyItsOwnSensorStale) {
   EXPECT_EQ(sensor_of(daemon.client().result("gamma"), "ill")["gamma"], nullptr);
 }
 
+TEST(Devices, ADriverThatHangsIsSaidToHangInWhatItHangs) {
+  const TempFolder folder;
+  Daemon daemon(config_with(folder, sensors({trial("well"), trial("reads", {{"behaviour", "hang_in_read"}}),
+                                             trial("opens", {{"behaviour", "hang_in_open"}})})),
+                trial_drivers());
+  const json told = daemon.wait_for("status", [](const json& s) {
+    return sensor_of(s, "reads")["trouble"].is_string() && sensor_of(s, "opens")["trouble"].is_string();
+  });
+  EXPECT_THAT(sensor_of(told, "reads")["trouble"].get<std::string>(),
+              ::testing::StartsWith("its driver does not return from read"));
+  EXPECT_THAT(sensor_of(told, "opens")["trouble"].get<std::string>(),
+              ::testing::StartsWith("its driver does not return from open"));
+  EXPECT_EQ(sensor_of(told, "well")["trouble"], nullptr);
+  daemon.wait_for_log("its driver does not return from read");
+  daemon.wait_for_log("its driver does not return from open");
+}
+
 TEST(Devices, ADeviceThatIsNotThereIsAFaultWithItsReasonAndTheOthersGoOn) {
   const TempFolder folder;
   Daemon daemon(config_with(folder, sensors({trial("well"), trial("gone", {{"behaviour", "throw_in_open"}}),

@@ -299,6 +299,37 @@ TEST(Life, ACheckNotesWhereAnotherMethodThanTheConfiguredOneIsUsed) {
   EXPECT_THAT(start_with(folder, config.dump(), "--check-config").errors, Not(HasSubstr("note: ")));
 }
 
+TEST(Life, ACheckRefusesAMethodThatCannotReadASimulatedSensorUnderItsSkin) {
+  const TempFolder folder;
+  const auto check = [&](const json& skin, const char* method) {
+    const json config = config_with(folder, {{{"name", "left"}, {"driver", "sim"}, {"skin", skin}}},
+                                    {{"estimator", {{"method", method}}}});
+    return run({kSlipd, "--config", folder.write("c.json", config.dump()).string(), "--driver-dir",
+                real_drivers().string(), "--check-config"});
+  };
+  const json deep{{"depth_mm", 1}}, bonded{{"depth_mm", 1}, {"base", "rigid"}};
+  for (const char* method : {"moments", "block-fit"}) {
+    const Ran ran = check(deep, method);
+    EXPECT_EQ(ran.code, 2) << method;
+    EXPECT_THAT(ran.errors,
+                HasSubstr(std::string("/estimator/method = \"") + method + "\": sensor \"left\""));
+    EXPECT_THAT(ran.errors, HasSubstr("needs the estimator's method fit, closing or auto"));
+    EXPECT_EQ(check({{"depth_mm", 0}}, method).code, 0) << method;
+  }
+  EXPECT_THAT(check(bonded, "closing").errors, HasSubstr("/estimator/method = \"closing\": sensor \"left\""));
+  for (const char* method : {"fit", "closing", "auto"}) EXPECT_EQ(check(deep, method).code, 0) << method;
+}
+
+TEST(Life, ACheckOnlyNotesWhereTheDeviceMayMeasureSomethingElse) {
+  const TempFolder folder;
+  json config = well(folder);
+  config["estimator"]["method"] = "moments";
+  config["sensors"][0]["skin"] = {{"depth_mm", 1}};
+  const Ran ran = start_with(folder, config.dump(), "--check-config");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_THAT(ran.errors, HasSubstr("note: left: it gets no estimate if its device measures shear"));
+}
+
 TEST(Life, WrongUseIsExitTwo) {
   EXPECT_EQ(run({kSlipd}).code, 2);
   EXPECT_EQ(run({kSlipd, "--nonsense"}).code, 2);

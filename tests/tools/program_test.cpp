@@ -165,6 +165,78 @@ TEST_F(SlipctlWithADaemon, PrintsMarginsAsATable) {
   EXPECT_THAT(ran.out, AllOf(HasSubstr("sensor  state  gamma"), HasSubstr("left    ok      0.62")));
 }
 
+// A daemon of two sensors, whose grasp is of the first.
+class SlipctlWithAGrasp : public ::testing::Test {
+ protected:
+  Ran ask(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--socket", daemon_.path()});
+    return slipctl_with(arguments);
+  }
+
+  const json grasp_{
+      {"grasp", "gripper"}, {"sensors", json::array({"left"})}, {"state", "ok"}, {"gamma", 0.43}};
+  const json left_ = estimate_sample("left", 1, 0.62), right_ = estimate_sample("right", 1, 0.71);
+  const json gamma_{{"sensors", json::array({left_, right_})}, {"grasps", json::array({grasp_})}};
+  std::atomic<bool> subscribed_to_left_{false};
+  FakeDaemon daemon_{by_method({{"gamma", [this](const json&) { return gamma_; }},
+                                {"sensors",
+                                 [](const json&) {
+                                   return sensors_sample({"left", "right"});
+                                 }},
+                                {"status",
+                                 [](const json&) {
+                                   return status_sample({"left", "right"}, 100);
+                                 }},
+                                {"subscribe", [this](const json& params) {
+                                   subscribed_to_left_ = params["sensors"] == json::array({"left"});
+                                   return json{{"subscription", 1}};
+                                 }}})};
+};
+
+TEST_F(SlipctlWithAGrasp, PrintsTheMarginOfAGraspByItsName) {
+  const Ran ran = ask({"gamma", "gripper"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("gripper"), HasSubstr("0.43"), Not(HasSubstr("0.62"))));
+  EXPECT_EQ(json::parse(ask({"--json", "gamma", "gripper"}).out),
+            (json{{"sensors", json::array()}, {"grasps", json::array({grasp_})}}));
+}
+
+TEST_F(SlipctlWithAGrasp, PrintsTheMarginOfASensorWithTheGraspsThatHoldByIt) {
+  EXPECT_EQ(json::parse(ask({"--json", "gamma", "left"}).out),
+            (json{{"sensors", json::array({left_})}, {"grasps", json::array({grasp_})}}));
+  EXPECT_EQ(json::parse(ask({"--json", "gamma", "right"}).out),
+            (json{{"sensors", json::array({right_})}, {"grasps", json::array()}}));
+  EXPECT_EQ(json::parse(ask({"--json", "gamma"}).out), gamma_);
+}
+
+TEST_F(SlipctlWithAGrasp, WatchesTheSensorsOfAGrasp) {
+  const Ran ran = ask({"watch", "gripper", "--seconds", "0.3", "--rate", "20"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("left"), Not(HasSubstr("right"))));
+  EXPECT_TRUE(subscribed_to_left_);
+}
+
+TEST_F(SlipctlWithAGrasp, NamesTheSensorsAndGraspsThereAreWhenOneIsNot) {
+  for (const char* command : {"gamma", "watch"}) {
+    const Ran ran = ask({command, "griper"});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_EQ(ran.err, "slipctl: there is no sensor or grasp \"griper\"; there are: left, right, gripper\n");
+  }
+}
+
+TEST(Program, TellsASensorWithoutAnEstimatorFromOneWithoutFrames) {
+  const auto connected_of = [](const json& method, bool receiving) {
+    const json sensor{{"name", "left"}, {"method", method}, {"connected", true}, {"receiving", receiving}};
+    const json answer{{"sensors", json::array({sensor})}};
+    const FakeDaemon daemon(by_method({{"sensors", [&](const json&) { return answer; }}}));
+    return slipctl_with({"--socket", daemon.path(), "sensors"}).out;
+  };
+  EXPECT_THAT(connected_of(nullptr, false), AllOf(HasSubstr("open, no estimator"), Not(HasSubstr("frames"))));
+  EXPECT_THAT(connected_of("fit", false), AllOf(HasSubstr("open, no frames"), Not(HasSubstr("estimator"))));
+  EXPECT_THAT(connected_of("fit", true), Not(HasSubstr("open")));
+  EXPECT_THAT(connected_of(nullptr, true), Not(HasSubstr("open"))) << "a model is being trained";
+}
+
 TEST_F(SlipctlWithADaemon, PrintsTheDaemonsOwnJsonWhenAsked) {
   EXPECT_EQ(json::parse(ask({"--json", "sensors"}).out), sensors_sample({"left"}));
   EXPECT_EQ(json::parse(ask({"frame", "left", "--json"}).out), frame_sample(4, 4));

@@ -35,24 +35,27 @@ void print_sensors(const CommonOptions& common) {
   }
   json sensors = result.value("sensors", json::array());
   for (json& sensor : sensors) {
-    if (sensor.value("connected", false) && !sensor.value("receiving", true))
-      sensor["connected"] = "open, no frames";
+    if (!sensor.value("connected", false) || sensor.value("receiving", true)) continue;
+    const bool estimates = sensor.value("method", json()).is_string();
+    sensor["connected"] = estimates ? "open, no frames" : "open, no estimator";
   }
   std::cout << table_of(sensors,
                         {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
 }
 
-void print_gamma(const CommonOptions& common, const std::string& sensor) {
-  const json result = ask(common, "gamma", sensor.empty() ? json::object() : json{{"sensor", sensor}});
+void print_gamma(const CommonOptions& common, const std::string& name) {
+  const json all = ask(common, "gamma");
+  const json result = name.empty() ? all : part_of_gamma(all, name);
   if (common.json) {
     std::cout << result.dump() << '\n';
     return;
   }
-  std::cout << table_of(result.value("sensors", json::array()),
-                        {"sensor", "state", "gamma", "sigma", "class", "friction", "normal_n", "shear_n",
-                         "alert", "method", "age_ms", "simulated"});
-  if (const json grasps = result.value("grasps", json::array()); !grasps.empty())
-    std::cout << '\n' << tree({{"grasps", grasps}});
+  const json sensors = result.value("sensors", json::array()), grasps = result.value("grasps", json::array());
+  if (name.empty() || !sensors.empty())
+    std::cout << table_of(sensors, {"sensor", "state", "gamma", "sigma", "class", "friction", "normal_n",
+                                    "shear_n", "alert", "method", "age_ms", "simulated"});
+  if (!sensors.empty() && !grasps.empty()) std::cout << '\n';
+  if (!grasps.empty()) std::cout << tree({{"grasps", grasps}});
 }
 
 void print_frame(const CommonOptions& common, const std::string& sensor) {

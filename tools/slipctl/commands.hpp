@@ -20,7 +20,7 @@ struct RecordOptions {
 // All throw ClientError.
 void print_status(const CommonOptions& common);
 void print_sensors(const CommonOptions& common);
-void print_gamma(const CommonOptions& common, const std::string& sensor);  // empty: all
+void print_gamma(const CommonOptions& common, const std::string& name);    // a sensor or grasp; empty: all
 void print_frame(const CommonOptions& common, const std::string& sensor);  // CSV, one taxel a line
 void print_metrics(const CommonOptions& common);                           // OpenMetrics text
 // Makes the flight recorder write the last seconds to a file; empty: of all sensors.

@@ -25,6 +25,7 @@ using namespace slipctl;
 struct Choices {
   CommonOptions common{kDefaultSocket, false};
   std::string sensor;
+  std::string name;  // of a sensor or grasp
   RecordOptions record;
   WatchOptions watch;
   CalibrateOptions calibrate;
@@ -50,9 +51,9 @@ void add_questions(CLI::App& app, Choices& choices) {
   app.add_subcommand("sensors", "the sensors and what each is")->callback([&] {
     print_sensors(choices.common);
   });
-  CLI::App* gamma = app.add_subcommand("gamma", "the latest safety margin of each sensor");
-  gamma->add_option("sensor", choices.sensor, "only this sensor");
-  gamma->callback([&] { print_gamma(choices.common, choices.sensor); });
+  CLI::App* gamma = app.add_subcommand("gamma", "the latest safety margin of each sensor and grasp");
+  gamma->add_option("name", choices.name, "only this sensor or grasp");
+  gamma->callback([&] { print_gamma(choices.common, choices.name); });
   CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
   frame->add_option("sensor", choices.sensor)->required();
   frame->callback([&] { print_frame(choices.common, choices.sensor); });
@@ -172,7 +173,7 @@ void add_watch(CLI::App& app, Choices& choices) {
   WatchOptions& watching = choices.watch;
   CLI::App* command =
       app.add_subcommand("watch", "follow the margins: a live view on a terminal, lines elsewhere");
-  command->add_option("sensors", watching.sensors, "only these sensors");
+  command->add_option("names", watching.names, "only these sensors, and those of these grasps");
   command->add_option("--seconds", watching.seconds, "end after so many seconds")->check(CLI::PositiveNumber);
   command
       ->add_option("--rate", watching.lines_per_s,

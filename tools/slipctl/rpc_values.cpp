@@ -1,6 +1,8 @@
 #include "tools/slipctl/rpc_values.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "clients/c/json_values.hpp"
 #include "tools/slipctl/client.hpp"
@@ -40,6 +42,26 @@ std::vector<EstimateValues> grasps_from(const json& result) {
   std::vector<EstimateValues> grasps;
   for (const json& each : member(result, "grasps")) grasps.push_back(estimate_from(each));
   return grasps;
+}
+
+json part_of_gamma(const json& result, const std::string& name) {
+  json sensors = json::array(), grasps = json::array();
+  std::string known;
+  const auto know = [&](const std::string& each) { known += (known.empty() ? "" : ", ") + each; };
+  for (const json& sensor : member(result, "sensors")) {
+    know(text(sensor, "sensor"));
+    if (text(sensor, "sensor") == name) sensors.push_back(sensor);
+  }
+  for (const json& grasp : member(result, "grasps")) {
+    know(text(grasp, "grasp"));
+    const json& fingers = member(grasp, "sensors");
+    if (text(grasp, "grasp") == name || std::find(fingers.begin(), fingers.end(), name) != fingers.end())
+      grasps.push_back(grasp);
+  }
+  if (sensors.empty() && grasps.empty())
+    throw ClientError("there is no sensor or grasp \"" + name +
+                      "\"; there are: " + (known.empty() ? "none" : known));
+  return {{"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}};
 }
 
 TaxelFrame frame_from(const json& result) {

@@ -55,6 +55,9 @@ struct SensorCounts {
 
 std::vector<SensorInfo> sensors_from(const nlohmann::ordered_json& result);     // of `sensors`
 std::vector<EstimateValues> grasps_from(const nlohmann::ordered_json& result);  // of `gamma`
+// Of `gamma`'s result what belongs to a name: a sensor with the grasps that hold by it, or a grasp. Throws
+// ClientError, with the names that there are, if nothing is called so.
+nlohmann::ordered_json part_of_gamma(const nlohmann::ordered_json& result, const std::string& name);
 TaxelFrame frame_from(
     const nlohmann::ordered_json& result);  // of `frame`; throws ClientError if lengths differ
 std::vector<SensorCounts> counts_from(const nlohmann::ordered_json& result);  // of `status`

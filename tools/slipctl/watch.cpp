@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "tools/slipctl/client.hpp"
@@ -97,26 +98,32 @@ class Watcher {
   }
 
   std::vector<SensorWatch> chosen_sensors() {
-    std::vector<SensorWatch> chosen;
     const std::vector<SensorInfo> known = sensors_from(client_->call("sensors"));
+    watched_ = names_of_sensors(known);
+    std::vector<SensorWatch> chosen;
     for (const SensorInfo& sensor : known)
-      if (options_.sensors.empty() ||
-          std::find(options_.sensors.begin(), options_.sensors.end(), sensor.name) != options_.sensors.end())
-        chosen.push_back({sensor, {}, {}, {}, 0, {}});
-    for (const std::string& name : options_.sensors)
-      if (std::none_of(known.begin(), known.end(),
-                       [&](const SensorInfo& each) { return each.name == name; })) {
-        std::string names;
-        for (const SensorInfo& each : known) names += (names.empty() ? "" : ", ") + each.name;
-        throw ClientError("no sensor is called " + name +
-                          "; the daemon has: " + (names.empty() ? "none" : names));
-      }
+      if (watched_.empty() || watched_.contains(sensor.name)) chosen.push_back({sensor, {}, {}, {}, 0, {}});
     return chosen;
+  }
+
+  // Of what is to be watched; a grasp stands for its sensors. Empty: all.
+  std::set<std::string> names_of_sensors(const std::vector<SensorInfo>& known) {
+    std::set<std::string> names;
+    for (const std::string& name : options_.names) {
+      if (std::ranges::find(known, name, &SensorInfo::name) != known.end()) {
+        names.insert(name);
+        continue;
+      }
+      const nlohmann::ordered_json named = part_of_gamma(client_->call("gamma"), name);
+      for (const auto& grasp : named.at("grasps"))
+        names.merge(grasp.at("sensors").get<std::set<std::string>>());
+    }
+    return names;
   }
 
   void subscribe() {
     nlohmann::ordered_json params{{"events", {"estimate", "alert"}}};
-    if (!options_.sensors.empty()) params["sensors"] = options_.sensors;
+    if (!watched_.empty()) params["sensors"] = watched_;
     if (!options_.summary) params["max_rate_hz"] = options_.json ? options_.lines_per_s : kViewRateHz;
     client_->call("subscribe", params);
   }
@@ -258,6 +265,7 @@ class Watcher {
   SignalWatch signals_;
   std::optional<RpcClient> client_;  // none: slipd is gone, and is tried again at next_attempt_
   Clock::time_point next_attempt_;
+  std::set<std::string> watched_;  // names of sensors; empty: all
   WatchState state_;
   WatchStatistics statistics_;
   std::vector<SensorCounts> before_, after_;

@@ -10,7 +10,7 @@ namespace slipctl {
 
 struct WatchOptions {
   std::string socket;                                // path of the daemon's socket
-  std::vector<std::string> sensors;                  // names; empty: all
+  std::vector<std::string> names;                    // of sensors and grasps; empty: all
   std::string grip = "/run/slipd-grip/orders.sock";  // slipd-grip's socket for orders
   std::optional<double> seconds;                     // end after this, s; absent: at q or a signal
   double lines_per_s = 5;                            // per sensor, where stdout is not a terminal

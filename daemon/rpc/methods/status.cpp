@@ -98,9 +98,10 @@ std::string slower_than_frames(const ServiceContext& context, std::size_t sensor
 // frames; null: there is.
 json trouble(const ServiceContext& context, std::size_t sensor, const DeviceFacts& facts,
              const Estimate& latest) {
-  if (!facts.trouble.empty()) return facts.trouble;
-  if (is_implausible(latest.health)) return describe(latest.health);
   const SensorStatus& status = *context.board.sensors[sensor];
+  if (const std::string why = device_trouble(status, facts, Now::read().monotonic_ns); !why.empty())
+    return why;
+  if (is_implausible(latest.health)) return describe(latest.health);
   const bool has_zero = !status.bias.needed.load(std::memory_order_relaxed) ||
                         status.bias.report.load().origin != BiasOrigin::none;
   if (has_zero && latest.state == State::unzeroed && facts.zero_trouble.empty()) return kZeroIsAnothers;

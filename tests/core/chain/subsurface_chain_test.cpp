@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/chain/chain.hpp"
+#include "core/chain/chain_parts.hpp"
 #include "core/contact/contact_field.hpp"
 #include "paper/model_setup.hpp"
 #include "tests/support/synthetic.hpp"
@@ -122,6 +124,37 @@ TEST(Chains, UnderASkinTakeMethodFitAndRefuseTheOthers) {
     setup.estimator.method = method;
     EXPECT_FALSE(needs_model(setup));
     EXPECT_THROW(EstimatorChain(setup, nullptr), std::invalid_argument);
+  }
+}
+
+// What --check-config says and what becomes of the sensor are the same.
+TEST(Chains, UnderASkinAreRefusedForTheReasonThatIsKnownBeforehand) {
+  for (const SkinBase base : {SkinBase::half_space, SkinBase::rigid}) {
+    for (const auto& [name, method] : method_choices()) {
+      ChainSetup setup = under_skin();
+      setup.scene.skin.base = base;
+      setup.estimator.method = method;
+      std::string refusal;
+      try {
+        const EstimatorChain chain(setup, nullptr);
+      } catch (const std::invalid_argument& error) {
+        refusal = error.what();
+      }
+      const bool reads = method == MethodChoice::automatic || method == MethodChoice::fit ||
+                         (method == MethodChoice::closing && base == SkinBase::half_space);
+      EXPECT_EQ(refusal.empty(), reads) << name;
+      EXPECT_EQ(why_method_cannot_read(setup), refusal) << name;
+    }
+  }
+}
+
+TEST(Chains, ThatNeedNoContactModelReadAnySkin) {
+  ChainSetup setup = under_skin();
+  setup.estimator.method = MethodChoice::moments;
+  ASSERT_NE(why_method_cannot_read(setup), "");
+  for (const SensorClass other : {SensorClass::normal, SensorClass::displacement}) {
+    setup.sensor_class = other;
+    EXPECT_EQ(why_method_cannot_read(setup), "");
   }
 }
 
