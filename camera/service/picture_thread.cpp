@@ -43,7 +43,7 @@ void PictureThread::run(const std::stop_token& stop) {
     try {
       serve(stop);
       if (!stop.stop_requested())
-        tell("there are no more pictures; start slipd-camera again to play them again");
+        tell("the video has ended; end this program, and start it again to play it again");
       return;
     } catch (const std::exception& error) {
       if (told != error.what()) tell(told = error.what());

@@ -12,7 +12,6 @@ set arrow 1 from 3.5, graph 0 to 3.5, graph 1 nohead dt 3 lc 'gray40'
 set arrow 2 from 5.5, graph 0 to 5.5, graph 1 nohead dt 3 lc 'gray40'
 set label 1 'friction 0.8' at 2.4, graph 0.9
 set label 2 '0.5' at 3.6, graph 0.9
-set label 4 'gaps: no margin, friction is not known well enough (learning)' at 3.6, graph 0.72
 set label 3 '0.35' at 5.6, graph 0.9
 set ylabel 'margin that slipd tells'
 set yrange [0:1.05]

@@ -139,7 +139,7 @@ TEST(PictureThread, plays_a_video_once_and_says_when_it_is_over) {
     ASSERT_EQ(poll(&ready, 1, std::chrono::milliseconds(slipd::testing::kPatience).count()), 1);
     news = pictures.take();
   }
-  EXPECT_THAT(news.trouble, ::testing::HasSubstr("no more pictures"));
+  EXPECT_THAT(news.trouble, ::testing::HasSubstr("the video has ended"));
 }
 
 }  // namespace

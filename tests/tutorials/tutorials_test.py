@@ -203,9 +203,7 @@ class Tutorial(unittest.TestCase):
         told = next(block for block in shell if "tee /etc/slipd/slipd.json" in block)
         settings = self.folder / "slipd.json"
         begun = f'{{ "realtime": {{ "mode": "off" }}, "socket": {{ "path": "{self.socket}" }},'
-        # Step 4 of the page: a pad of few taxels needs to be told its friction.
-        friction = re.search(r'`"friction": \[0\.3, 0\.8\]`', (PAGES / "../first-sensor.md").read_text(encoding="utf-8"))[0].strip("`")
-        settings.write_text(re.search(r"<<'END'\n(.*?)END\n", told, re.DOTALL)[1].replace("{", begun, 1).replace('"driver": "push",', f'"driver": "push", {friction},'))
+        settings.write_text(re.search(r"<<'END'\n(.*?)END\n", told, re.DOTALL)[1].replace("{", begun, 1))
         self.runs_slipd(settings)
         trouble = re.search(r"slipctl status +# trouble: (.*)", told)[1].replace("/run/slipd", str(self.folder))
         status = ["slipctl", "--socket", self.socket, "status"]

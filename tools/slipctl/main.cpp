@@ -121,8 +121,10 @@ void add_calibrate(CLI::App& app, Choices& choices) {
 void add_plot(CLI::App& app, Choices& choices) {
   CLI::App* command = app.add_subcommand("plot", "draw a recording: margin, alerts, forces and taxels");
   command->add_option("file", choices.plot.file)->required();
-  command->add_option("--at", choices.plot.at_s,
-                      "show the frame so many seconds after the begin; default: the frame of least margin");
+  command->add_option(
+      "--at", choices.plot.at_s,
+      "show the frame so many seconds after the begin; default: the frame of least margin, without "
+      "estimates that of greatest normal force");
   command->add_option("--columns", choices.plot.columns, "width in characters; default: the terminal's")
       ->check(CLI::Range(40, 1000));
   command->add_option("--picture", choices.plot.picture, "write the screen to this file as SVG, too");

@@ -148,7 +148,7 @@ void add_picture(CLI::App& app, const offline::Common& common) {
   command->add_option(
       "--at", options->at_s,
       "time of the frame whose taxels are drawn, s from the beginning; default: the frame with the "
-      "least margin");
+      "least margin, without estimates that of greatest normal force");
   command->callback([&common, options] { run(common, *options); });
 }
 

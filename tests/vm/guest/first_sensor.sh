@@ -37,11 +37,6 @@ awaits "the program has no zero yet" grep -aq '^unzeroed None' program.log
 slipctl rebias left | grep -q 'left: zeroed' || fail "no zero"
 awaits "then nothing touches the sensor" grep -aq '^no_contact' program.log
 touch zeroed
-# Step 4 of the page: friction, for a margin before anything slides.
-friction=$(grep -o '"friction": \[0\.3, 0\.8\]' "$page")
-sed -i "s/\"driver\": \"push\",/& $friction,/" "$config"
-systemctl reload slipd
-: >program.log
 awaits "a margin" grep -aEq '^ok [01]\.' program.log
 awaits "an alert when it is pulled by more than friction holds" eval 'slipctl gamma left | grep -Eq "\b(warn|slip)\b"'
 echo "ok: $((SECONDS - begun)) s from the packages to a margin, in a guest without KVM"
