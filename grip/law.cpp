@@ -24,10 +24,11 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
   margin_ = reading.known ? std::optional(foreseen_margin(reading)) : std::nullopt;
 
   if (reading.contact == false) force_known_ = true;
-  if (state_ == State::idle && reading.contact == true) take(Event::contact, now_ns);
+  const bool finds = state_ == State::idle && reading.contact == true;  // before any order to close
+  if (finds) take(Event::contact, now_ns);
   if (wish != Wish::none) take(wish == Wish::open ? Event::open_order : Event::close_order, now_ns);
   take(gripper_answers ? Event::gripper_back : Event::gripper_gone, now_ns);
-  if (const auto event = judge(reading, acting)) take(*event, now_ns);
+  if (const auto event = finds ? std::nullopt : judge(reading, acting)) take(*event, now_ns);
   if (static_cast<double>(now_ns - closing_since_ns_) > settings_.close_timeout_s * kNsPerSecond)
     take(Event::no_object, now_ns);
 

@@ -70,10 +70,10 @@ bool Continuity::turned(const Step& step) noexcept {
       std::fabs(std::atan2(before.shear_x_n * now.shear_y_n - before.shear_y_n * now.shear_x_n,
                            before.shear_x_n * now.shear_x_n + before.shear_y_n * now.shear_y_n));
   const double step_n = norm(now.shear_x_n - before.shear_x_n, now.shear_y_n - before.shear_y_n);
-  const double by_noise = now.shear_sigma_n / now.shear_n + before.shear_sigma_n / before.shear_n;
+  const double by_noise = norm(now.shear_sigma_n / now.shear_n, before.shear_sigma_n / before.shear_n);
   const bool jumped = turn_.known() && turn_rad > kTurned &&
                       step_n > options_.least_turn_share * now.normal_n &&
-                      turn_rad > kBeyondUsual * std::max(turn_.peak, by_noise);
+                      turn_rad > std::max(kBeyondUsual * turn_.peak, kStandsOutSigmas * by_noise);
   if (!jumped) turn_.learn(turn_rad);
   return jumped;
 }

@@ -34,6 +34,7 @@ struct ContinuityOptions {
 struct SeenFrame {
   std::int64_t time_ns = 0;
   ContactNumbers contact;
+  bool believed = true;  // it was not refused
 
   // Its force is far above the noise.
   bool clear() const noexcept;

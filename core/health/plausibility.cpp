@@ -73,11 +73,10 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   if (noise_jump_.update(probes_.channels(), patch.in_contact)) blame(Verdict::frame_refused, Health::noisy);
   judge_continuity(now);
   judge_time(frame.time_ns);
-  const bool repeats = frozen && before_ && patch.normal_n == before_->contact.normal_n &&
-                       patch.frame_peak_pa == before_->contact.frame_peak_pa &&
-                       patch.frame_least_pa == before_->contact.frame_least_pa;
+  const bool repeats = frozen && before_ && before_->contact == now.contact;
   learn_change(patch);
   before_ = now;
+  before_->believed = now_.verdict < Verdict::frame_refused;
   hold();
   now_.repeats = repeats;
   return now_;
@@ -153,7 +152,7 @@ void PlausibilityMonitor::judge_course(const SeenFrame& now) noexcept {
     } else {
       blame(Verdict::frame_refused, Health::wrong_scale);
     }
-  } else if (contact.normal_n * kVanished < before.normal_n) {
+  } else if (before_->believed && contact.normal_n * kVanished < before.normal_n) {
     fallen_from_n_ = before.normal_n;
   }
   const double moved_m = norm(contact.center_x_m - before.center_x_m, contact.center_y_m - before.center_y_m);

@@ -32,6 +32,20 @@ PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
   dead_.reserve(static_cast<std::size_t>(options.most_dead_share * static_cast<double>(layout.size())) + 1);
 }
 
+namespace {
+
+// 0 times a value that is no finite number is none either.
+bool all_finite(const Frame& frame) noexcept {
+  float sum = 0;
+  for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
+#pragma omp simd reduction(+ : sum)
+    for (std::size_t i = 0; i < channel.size(); ++i) sum += 0 * channel[i];
+  }
+  return sum == 0;
+}
+
+}  // namespace
+
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
   patch_ = {};
   runs_.clear();
@@ -53,6 +67,8 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
     patch_.shear_sigma_n = per_noise * patch_.noise_shear_pa;
     if (noise_) add_shared_noise();
     if (layout_.size() > 1) measure_torque();
+  } else {  // no comparison is true of a value that is no number: it would pass for no pressure
+    patch_.finite = patch_.finite && all_finite(frame);
   }
   return patch_;
 }

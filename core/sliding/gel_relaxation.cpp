@@ -159,6 +159,7 @@ void GelRelaxation::judge() noexcept {
 const GelState& GelRelaxation::update(const Frame& frame) noexcept {
   if (first_ns_ < 0) first_ns_ = frame.time_ns;
   measure(frame);
+  if (frame.time_ns < last_ns_) count_ = 0;  // another clock's
   if (count_ > 0 && static_cast<double>(frame.time_ns - last_ns_) < options_.least_step_s * kNsPerSecond)
     return state_;
   last_ns_ = frame.time_ns;

@@ -75,7 +75,8 @@ double TaxelBlocks::noise() const noexcept {
 }
 
 bool TaxelBlocks::add(const Frame& frame) noexcept {
-  if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(kPause_s)) forget();
+  const bool goes_on = frame.time_ns >= last_ns_ && frame.time_ns - last_ns_ <= ns_of_s(kPause_s);
+  if ((frames_ > 0 || size_ > 0) && !goes_on) forget();
   const bool alone = block_frames_ == 1 && size_ > 0 && spans_block(frame.time_ns - last_ns_);
   last_ns_ = frame.time_ns;
   bool completed = false;

@@ -31,6 +31,16 @@ TEST(Law, FindsAnObjectInTheGripAfterItsStartAndHoldsItFirmlyAtOnce) {
   EXPECT_EQ(first.force_n, held.settings.firm_n) << "a ramp would let go of what is held";
 }
 
+TEST(Law, HoldsFirmlyFirstWhatItFindsThoughItSlips) {
+  Held held;
+  Reading slip = unknown(true);
+  slip.slips = true;
+  EXPECT_EQ(held.step(slip).force_n, held.settings.firm_n);
+  EXPECT_EQ(held.law.state(), State::firm);
+  held.step(slip);
+  EXPECT_EQ(held.law.state(), State::reacting);
+}
+
 TEST(Law, ToldToCloseAfterItsStartLeavesNoObjectThatMayBeHeldWithLess) {
   for (const auto& contact : {std::optional(true), std::optional<bool>()}) {  // nullopt: slipd is away
     Held held;

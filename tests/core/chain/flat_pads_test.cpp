@@ -36,7 +36,7 @@ ChainSetup finger_setup() {
 
 // What the pillars carry, N. Pillars of different heights share the load unevenly, and pressing alone makes a
 // shear that points outwards.
-struct Load {
+struct PadLoad {
   double normal_n = 0;
   double pull_n = 0;   // along x, shared as the normal force
   double apart_n = 0;  // columns left and right pulled apart by that much each
@@ -47,7 +47,7 @@ class Finger {
  public:
   explicit Finger(const ChainSetup& setup, std::uint64_t seed = 1) : chain_(setup, nullptr), random_(seed) {}
 
-  Estimate sense(const Load& load) {
+  Estimate sense(const PadLoad& load) {
     constexpr double kShares[9] = {0.08, 0.12, 0.09, 0.13, 0.16, 0.12, 0.1, 0.13, 0.07};
     constexpr double kOutward = 0.3;
     std::normal_distribution<double> noise(0, 0.004);
@@ -153,7 +153,7 @@ TEST(FlatPads, LearnNothingFromAFrameThatIsTheOneBefore) {
   int told = 0;
   for (int i = 0; i < 1200; ++i) {
     const double time_s = (kMore + 1) * i / kRate_hz;
-    const Load load{.normal_n = gripped_n(time_s), .pull_n = std::max(0.0, time_s - 4)};
+    const PadLoad load{.normal_n = gripped_n(time_s), .pull_n = std::max(0.0, time_s - 4)};
     const Estimate expected = once.sense(load);
     for (int k = 0; k < kMore; ++k) once.pass();
     const Estimate first = often.sense(load);
@@ -224,7 +224,7 @@ TEST(FlatPads, LearnNoFrictionFromAHook) {
   for (int i = 0; i < frames_of(1.5); ++i) finger.sense({.normal_n = gripped_n(time_of(i))});
   constexpr double kHooked = 4, kAfter = 0.16;
   Estimate said;
-  const auto pull_n = [](double load) { return Load{.normal_n = 2.5, .pull_n = 2.5 * load}; };
+  const auto pull_n = [](double load) { return PadLoad{.normal_n = 2.5, .pull_n = 2.5 * load}; };
   for (int i = 0; i < frames_of(1); ++i) said = finger.sense(pull_n(kHooked * time_of(i)));
   EXPECT_EQ(said.gamma.value_or(0), 0);
   for (int i = 0; i < frames_of(0.7); ++i) {
@@ -285,7 +285,7 @@ TEST(FlatPads, AnswerUnderASkinAsWithoutOne) {
   int answered = 0;
   for (int i = 0; i < frames_of(2); ++i) {
     const double normal_n = gripped_n(time_of(i));
-    const Load load{.normal_n = normal_n, .pull_n = 0.1 * normal_n};
+    const PadLoad load{.normal_n = normal_n, .pull_n = 0.1 * normal_n};
     const Estimate without = bare.sense(load), with = covered.sense(load);
     ASSERT_EQ(with.state, without.state) << time_of(i);
     ASSERT_EQ(with.gamma, without.gamma) << time_of(i);

@@ -184,6 +184,30 @@ TEST_P(Faults, ValuesBeyondAllSenseAreRefused) {
                   {Health::full_scale, Health::not_finite});
 }
 
+TEST_P(Faults, ValuesThatAreNoNumbersAreNoLostContact) {
+  grasp_.load();
+  const auto estimates = grasp_.go(20, kNormal_n, GraspWithFault::kLoaded_n, [](FrameSlot& f) {
+    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
+      std::fill(values.begin(), values.end(), std::numeric_limits<float>::quiet_NaN());
+  });
+  for (const Estimate& at : estimates) {
+    EXPECT_EQ(at.health, Health::not_finite);
+    EXPECT_NE(at.state, State::no_contact);
+    EXPECT_FALSE(at.normal_n && !std::isfinite(*at.normal_n));
+  }
+}
+
+TEST_P(Faults, OneFrameOfAnotherScaleDoesNotEndTheMarginsOfTheGrip) {
+  grasp_.load();
+  for (const float scale : {950.0F, 2000.0F, 1e6F}) {
+    grasp_.go(1, kNormal_n, GraspWithFault::kLoaded_n, [scale](FrameSlot& f) {
+      for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
+        for (float& value : values) value *= scale;
+    });
+    EXPECT_EQ(grasp_.go(20, kNormal_n, GraspWithFault::kLoaded_n).back().health, Health::good) << scale;
+  }
+}
+
 TEST_P(Faults, OnePressureOnAllTaxelsIsNoContact) {
   expect_reported(grasp_,
                   [](FrameSlot& f) {
@@ -343,6 +367,26 @@ TEST(Plausibility, AFlatSkinMayBeGrippedAtOnce) {
   for (const double grip_n : {0.5, 4.0, 8.0, 8.0}) EXPECT_EQ(skin.sense(grip_n, 0), Health::good) << grip_n;
   for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.sense(2, 0), Health::good) << i;
   for (const double grip_n : {6.0, 12.0}) EXPECT_EQ(skin.sense(grip_n, 0), Health::good) << grip_n;
+}
+
+// A contact may lie between the taxels that are compared.
+TEST(Plausibility, AFrameWithAnotherShearIsNoRepeat) {
+  const TaxelLayout layout = TaxelLayout::grid(16, 16, 1e-3);
+  PatchFinder finder(layout);
+  PlausibilityMonitor monitor(layout, {.full_scale = default_full_scale(SensorClass::array3, layout)});
+  synthetic::FrameMaker maker(layout);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0.3, kGripFriction);
+  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
+  ContactPatch patch = finder.find(frame);
+  const auto repeats = [&] {
+    monitor.screen(frame, patch);
+    return monitor.judge(frame, patch).repeats;
+  };
+  repeats();
+  EXPECT_TRUE(repeats());
+  patch.shear_x_n += 0.01;
+  EXPECT_FALSE(repeats());
 }
 
 TEST(Plausibility, CostsNoMemory) {

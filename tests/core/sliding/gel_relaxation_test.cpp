@@ -63,6 +63,7 @@ class Gel {
     return slid;
   }
   const GelState& state() const { return state_; }
+  void set_clock_by(double seconds) { time_s_ += seconds; }
 
  private:
   void show(const Field& field, double lost_share) {
@@ -117,6 +118,16 @@ TEST(GelRelaxation, AHeldObjectIsAContactAndNoSlide) {
   EXPECT_FALSE(gel.slides_in(200, bulge(0.3)));
   EXPECT_EQ(gel.state().contact, true);
   EXPECT_EQ(gel.state().sliding, Sliding::none);
+}
+
+TEST(GelRelaxation, OnePictureOfTheFutureDoesNotBlindIt) {
+  Gel gel;
+  gel.slides_in(40, unmoved);
+  gel.set_clock_by(3600);
+  gel.slides_in(1, bulge(0.3));
+  gel.set_clock_by(-3600);
+  EXPECT_FALSE(gel.slides_in(60, bulge(0.3)));
+  EXPECT_TRUE(gel.slides_in(20, unmoved));
 }
 
 TEST(GelRelaxation, AGelThatRelaxesIsASlide) {

@@ -102,6 +102,19 @@ TEST(Sliding, IsSeenSoonAfterTheTextureBeginsToMove) {
   EXPECT_LT(seen.first_s, 2.4);
 }
 
+TEST(Sliding, IsSeenAfterAFrameOfTheFutureToo) {
+  Pad pad(4, 50);
+  SlidingDetector detector(pad.layout(), kFalseAlarmsPerHour);
+  bool slid = false;
+  for (double t = 0; t < 4; t += 1 / kRateHz) {
+    const bool future = std::fabs(t - 1) < 0.5 / kRateHz;
+    const Contact contact{.x_m = t < 3 ? 0 : 0.005 * (t - 3)};
+    const SlidingVerdict verdict = detector.update(pad.frame(future ? 3600 : t, contact), true);
+    slid |= t > 3 && slides(verdict.sliding);
+  }
+  EXPECT_TRUE(slid);
+}
+
 TEST(Sliding, IsNotTakenFromAnOvershootThatRelaxes) {
   Pad pad(4, 50);
   const Seen seen = watch(pad, 5, [](double t) { return Contact{.normal = 1 + 2.6 * std::exp(-t / 0.2)}; });

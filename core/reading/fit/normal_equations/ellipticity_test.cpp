@@ -109,7 +109,8 @@ EllipticityTest::EllipticityTest(double depth_m, std::optional<double> bonded_po
 }
 
 std::size_t EllipticityTest::nodes_for(double reach_m) const noexcept {
-  return static_cast<std::size_t>(reach_m / (kStepDepths * sheet_.depth_m())) + 2;
+  const double steps = reach_m / (kStepDepths * sheet_.depth_m());
+  return steps < kMostNodes ? static_cast<std::size_t>(steps) + 2 : kMostNodes + 1;  // of a fit that ran away
 }
 
 // On a line along the long axis the sine is 0, between both axes the cosine.
