@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/frame/few_taxels.hpp"
@@ -30,6 +31,13 @@ const double kVanished = kWrongScale * kWrongScale;
 
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
+
+// What two frames of one measurement have in common: all that is summed or sought over whole frames, as
+// probes may miss a small contact.
+auto sums_of(const ContactNumbers& of) noexcept {
+  return std::tuple(of.normal_n, of.shear_x_n, of.shear_y_n, of.torque_nm, of.peak_pa, of.shear_x_extreme_pa,
+                    of.shear_y_extreme_pa, of.frame_peak_pa, of.frame_least_pa);
+}
 
 }  // namespace
 
@@ -73,7 +81,7 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   if (noise_jump_.update(probes_.channels(), patch.in_contact)) blame(Verdict::frame_refused, Health::noisy);
   judge_continuity(now);
   judge_time(frame.time_ns);
-  const bool repeats = frozen && before_ && before_->contact == now.contact;
+  const bool repeats = frozen && before_ && sums_of(before_->contact) == sums_of(now.contact);
   learn_change(patch);
   before_ = now;
   before_->believed = now_.verdict < Verdict::frame_refused;
@@ -134,7 +142,7 @@ bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
 
 void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
   if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
-  if (layout_.size() >= kManyTaxels && touched_before() && raised(patch))
+  if (patch.finite && layout_.size() >= kManyTaxels && touched_before() && raised(patch))
     lifted_pa_ = patch.frame_least_pa / 2;
   if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);
 }

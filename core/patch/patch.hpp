@@ -45,8 +45,6 @@ struct ContactNumbers {
   bool finite = true;            // false: values that are not numbers, or beyond all sense
   std::size_t count = 0;         // of the disc's taxels
   std::size_t interpolated = 0;  // of these, dead ones that neighbours stand for
-
-  bool operator==(const ContactNumbers&) const = default;
 };
 
 // All of one frame's contact.

@@ -12,7 +12,7 @@ void FewTaxelsFit::read(const ContactPatch& patch, const MomentRatio& ratio, Rea
   const Minimum minimum = minimise(*first);
   weigh_by_prior(minimum.at, parabola(minimum).profile_share(), out);
   place(patch, minimum.at, out);
-  out.in_model = minimum.converged;
+  out.in_model = minimum.converged && !patch.cut;
 }
 
 ArrayFit::ArrayFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options,
