@@ -5,7 +5,8 @@
 
 namespace slipd {
 
-// While the receiver has no room: no longer than 0.1 s, as a receiver that hangs must not make slipd hang.
+// While the receiver has no room: wait, but no longer than 0.1 s, or lose it. A receiver that hangs must not
+// make slipd hang.
 enum class WhenFull { wait, lose };
 
 // `address`: a path, or of an abstract socket with @ in front, 2 to 107 bytes; another is sent nothing.

@@ -72,18 +72,23 @@ TEST(DomeAverages, AreTheClosedFormFromFineGridsToATaxelLargerThanTheContact) {
   }
 }
 
+// Runs of any length, none as well, in any columns.
+std::vector<TaxelRun> random_rows(std::mt19937_64& random, std::size_t most) {
+  std::vector<TaxelRun> rows(1 + random() % most);
+  for (TaxelRun& run : rows) {
+    run.first = static_cast<std::uint32_t>(random() % most);
+    run.end = run.first + static_cast<std::uint32_t>(random() % (most - run.first + 1));
+  }
+  return rows;
+}
+
 TEST(DomeLattice, AgreesWithTheClosedFormOfEachSquare) {
   constexpr std::size_t kMost = 12;
   DomeLattice lattice(kMost);
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 200; ++i) {
-    // Runs of any length, none as well, in any columns.
-    std::vector<TaxelRun> rows(1 + random() % kMost);
-    for (TaxelRun& run : rows) {
-      run.first = static_cast<std::uint32_t>(random() % kMost);
-      run.end = run.first + static_cast<std::uint32_t>(random() % (kMost - run.first + 1));
-    }
+    const std::vector<TaxelRun> rows = random_rows(random, kMost);
     const double side = 0.05 + 0.3 * unit(random), left = -1.5 * unit(random), bottom = -1.5 * unit(random);
     const double x = unit(random), center_x = 0.3 * unit(random), center_y = -0.2 * unit(random);
     lattice.set({.left_m = left, .bottom_m = bottom, .side_m = side, .rows = rows});
@@ -110,13 +115,9 @@ TEST(DomeLattice, SumsTheRingsThatDomesOfAllRadiiLeaveAsEachByItselfDoes) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 200; ++i) {
-    std::vector<TaxelRun> rows(1 + random() % kMost);
+    const std::vector<TaxelRun> rows = random_rows(random, kMost);
     std::size_t count = 0;
-    for (TaxelRun& run : rows) {
-      run.first = static_cast<std::uint32_t>(random() % kMost);
-      run.end = run.first + static_cast<std::uint32_t>(random() % (kMost - run.first + 1));
-      count += run.end - run.first;
-    }
+    for (const TaxelRun& run : rows) count += run.end - run.first;
     const double side = 0.1 + 0.5 * unit(random), left = -1.5 * unit(random), bottom = -1.5 * unit(random);
     const double x = 0.2 + unit(random), center_x = 0.3 * unit(random), center_y = -0.2 * unit(random);
     lattice.set({.left_m = left, .bottom_m = bottom, .side_m = side, .rows = rows});

@@ -370,40 +370,38 @@ TEST(Plausibility, AFlatSkinMayBeGrippedAtOnce) {
   for (const double grip_n : {6.0, 12.0}) EXPECT_EQ(skin.sense(grip_n, 0), Health::good) << grip_n;
 }
 
+class OneFrame : public ::testing::Test {
+ protected:
+  OneFrame() {
+    contact::LoadHistory contact(synthetic::paper_pair());
+    contact.move_to(2, 0.3, kGripFriction);
+    frame_ = maker_.make(contact, 0, 0, 0.3, 0.01);
+    patch_ = finder_.find(frame_);
+  }
+  const Judgement& judge() {
+    monitor_.screen(frame_, patch_);
+    return monitor_.judge(frame_, patch_);
+  }
+
+  TaxelLayout layout_ = TaxelLayout::grid(16, 16, 1e-3);
+  PatchFinder finder_{layout_};
+  PlausibilityMonitor monitor_{layout_, {.full_scale = default_full_scale(SensorClass::array3, layout_)}};
+  synthetic::FrameMaker maker_{layout_};
+  Frame frame_;
+  ContactPatch patch_;
+};
+
 // A contact may lie between the taxels that are compared.
-TEST(Plausibility, AFrameWithAnotherShearIsNoRepeat) {
-  const TaxelLayout layout = TaxelLayout::grid(16, 16, 1e-3);
-  PatchFinder finder(layout);
-  PlausibilityMonitor monitor(layout, {.full_scale = default_full_scale(SensorClass::array3, layout)});
-  synthetic::FrameMaker maker(layout);
-  contact::LoadHistory contact(synthetic::paper_pair());
-  contact.move_to(2, 0.3, kGripFriction);
-  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
-  ContactPatch patch = finder.find(frame);
-  const auto repeats = [&] {
-    monitor.screen(frame, patch);
-    return monitor.judge(frame, patch).repeats;
-  };
-  repeats();
-  EXPECT_TRUE(repeats());
-  patch.shear_x_n += 0.01;
-  EXPECT_FALSE(repeats());
+TEST_F(OneFrame, WithAnotherShearIsNoRepeat) {
+  judge();
+  EXPECT_TRUE(judge().repeats);
+  patch_.shear_x_n += 0.01;
+  EXPECT_FALSE(judge().repeats);
 }
 
-TEST(Plausibility, CostsNoMemory) {
-  const TaxelLayout layout = TaxelLayout::grid(16, 16, 1e-3);
-  PatchFinder finder(layout);
-  PlausibilityMonitor monitor(layout, {.full_scale = default_full_scale(SensorClass::array3, layout)});
-  synthetic::FrameMaker maker(layout);
-  contact::LoadHistory contact(synthetic::paper_pair());
-  contact.move_to(2, 0.3, kGripFriction);
-  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
-  const ContactPatch& patch = finder.find(frame);
+TEST_F(OneFrame, IsJudgedWithoutMemory) {
   const std::uint64_t before = test::allocations();
-  for (int i = 0; i < 100; ++i) {
-    monitor.screen(frame, patch);
-    monitor.judge(frame, patch);
-  }
+  for (int i = 0; i < 100; ++i) judge();
   EXPECT_EQ(test::allocations(), before);
 }
 
