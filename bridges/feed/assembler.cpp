@@ -9,7 +9,7 @@ namespace {
 // The last messages that began; of those before, no parts are awaited. Fewer: datagrams that overtake each
 // other lose messages. More: memory, and messages that lost a part are counted later.
 constexpr std::size_t kMostEntries = 8;
-// Parts of a message-> Fewer: large frames are refused. More: memory for a hostile sender.
+// Parts of a message. Fewer: large frames are refused. More: memory for a hostile sender.
 constexpr std::size_t kMostParts = 256;
 
 }  // namespace
