@@ -34,7 +34,7 @@ struct CoverageOptions {
 struct CoverageLine {
   std::size_t side = 0;
   std::string method, used;  // as asked for, as taken
-  std::string grasps;        // cycle or histories
+  std::string grasps;        // cycle, histories or holds
   double rate_hz = 0;
   Coverage found;
 };
@@ -71,7 +71,9 @@ std::vector<CoverageLine> measure_layout(std::size_t side, const std::string& me
       options.setup.rate_hz = rate_hz;
       if (traced != nullptr)
         options.setup.watch = [&](const CoverageSample& sample) { write_traced(*traced, line, sample); };
-      const auto measure_grasps = of == "cycle" ? measure_cycle : measure_histories;
+      const auto measure_grasps = of == "cycle"   ? measure_cycle
+                                  : of == "holds" ? measure_holds
+                                                  : measure_histories;
       line.found =
           measure_grasps(estimator, options.setup, [&](double share) { bar.show(share, of.c_str()); });
       lines.push_back(std::move(line));
@@ -90,9 +92,9 @@ void print_tally(const std::string& what, const CoverageTally& tally) {
 
 void print_table(const std::vector<CoverageLine>& lines, const CoverageOptions& options) {
   std::printf(
-      "Whole grasps, %zu a line: the cycle that sim plays by default, and random histories. Counted are "
-      "answers in state "
-      "ok;\napart: those given while friction has changed and no frame has shown it yet. Too safe: more than "
+      "Whole grasps, %zu a line: the cycle that sim plays by default, random histories, or loads that are "
+      "held. Counted are answers in state ok;\napart: those given while friction has changed and no frame "
+      "has shown it yet. Too safe: more than "
       "%g above the "
       "truth.\n\n"
       "  during          answers  answered  mean err   2 sigma   3 sigma  beyond 3  too safe  worst  least "
@@ -165,9 +167,9 @@ void add_coverage(CLI::App& app, const offline::Common& common) {
       ->delimiter(',')
       ->check(CLI::Range(10.0, 10000.0))
       ->capture_default_str();
-  command->add_option("--of", options->grasps_of, "cycle, histories")
+  command->add_option("--of", options->grasps_of, "cycle, histories, holds")
       ->delimiter(',')
-      ->check(CLI::IsMember({"cycle", "histories"}))
+      ->check(CLI::IsMember({"cycle", "histories", "holds"}))
       ->capture_default_str();
   add_noise_option(*command, options->setup.noise);
   command->add_option("--friction", options->friction, "the estimator is given this coefficient of friction")

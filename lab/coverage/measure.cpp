@@ -1,6 +1,7 @@
 #include "lab/coverage/measure.hpp"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "drivers/sim/options.hpp"
@@ -13,7 +14,7 @@ namespace {
 using slipd::sim::Phase;
 
 constexpr double kLargestOffsetM = 1e-3;
-constexpr std::uint64_t kOffsetStream = 0x6F6666;
+constexpr std::uint64_t kOffsetStream = 0x6F6666, kHoldStream = 0x686F6C;
 
 // What a phase of the script does, after the load that the phase before left.
 std::string kind_of(const Phase& phase, double& normal_n, double& shear) {
@@ -55,7 +56,7 @@ slipd::sim::SensorSettings default_sensor(const slipd::ChainSetup& chain) {
   return slipd::sim::parse_options(sensor).sensor;
 }
 
-// One grasp whose phases `phase_of` names, by the number of the move; those without a name do not count.
+// One grasp whose phases `phase_of` names by the moment; those without a name do not count.
 template <class PhaseOf>
 Coverage play(GraspFrames& frames, const Estimator& estimator, const CoverageSetup& setup, std::size_t grasp,
               PhaseOf phase_of) {
@@ -63,7 +64,7 @@ Coverage play(GraspFrames& frames, const Estimator& estimator, const CoverageSet
   Coverage found;
   drive(frames, chain,
         [&](const GraspSample& sample) {
-          const std::string phase = phase_of(sample.at.move);
+          const std::string phase = phase_of(sample.at);
           if (phase.empty() || !(sample.at.normal_n > 0)) return;
           found.add(phase, sample.estimate(), sample.at.truth, sample.traced);
           if (setup.watch) setup.watch({grasp, phase, sample});
@@ -82,7 +83,7 @@ Coverage play_cycle(const Estimator& estimator, const CoverageSetup& setup, std:
   }
   const std::vector<std::string> names = names_of(settings.cycle);
   SimulatedFrames frames(estimator.setup.layout, settings, setup.rate_hz);
-  return play(frames, estimator, setup, grasp, [&](std::size_t phase) { return names.at(phase); });
+  return play(frames, estimator, setup, grasp, [&](const GraspMoment& at) { return names.at(at.move); });
 }
 
 Coverage play_history(const Estimator& estimator, const CoverageSetup& setup, std::size_t grasp) {
@@ -90,9 +91,29 @@ Coverage play_history(const Estimator& estimator, const CoverageSetup& setup, st
   RandomFrames frames(draw_grasp(chain.scene, setup.seed, grasp), chain.layout, chain.scene.skin,
                       {.noise = setup.noise, .frame_s = 1 / setup.rate_hz},
                       slipd::RandomStream(setup.seed).stream(grasp));
-  return play(frames, estimator, setup, grasp, [](std::size_t move) {
-    const auto made = static_cast<Move>(move);
+  return play(frames, estimator, setup, grasp, [](const GraspMoment& at) {
+    const auto made = static_cast<Move>(at.move);
     return made == Move::unseen ? std::string() : std::string(name_of(made));
+  });
+}
+
+// Gripped, loaded to a share of what friction holds, and held: nothing changes but noise.
+Coverage play_hold(const Estimator& estimator, const CoverageSetup& setup, std::size_t grasp) {
+  constexpr double kGrip_s = 0.1, kLoad_s = 0.3, kHold_s = 20, kLeastShare = 0.2, kMostShare = 0.7;
+  const slipd::ChainSetup& chain = estimator.setup;
+  const slipd::RandomStream random = slipd::RandomStream(setup.seed).stream(kHoldStream).stream(grasp);
+  Grasp held = draw_grasp(chain.scene, setup.seed, grasp);
+  const double normal_n = held.contact.normal_n, friction = held.contact.friction;
+  const double shear_n = random.uniform(0, kLeastShare, kMostShare) * friction * normal_n;
+  held.segments = {{Move::grip, normal_n, 0, friction, kGrip_s},
+                   {Move::load, normal_n, shear_n, friction, kLoad_s},
+                   {Move::hold, normal_n, shear_n, friction, kHold_s}};
+  RandomFrames frames(std::move(held), chain.layout, chain.scene.skin,
+                      {.noise = setup.noise, .frame_s = 1 / setup.rate_hz}, random.stream(0));
+  return play(frames, estimator, setup, grasp, [](const GraspMoment& at) -> std::string {
+    const double held_s = at.time_s - kGrip_s - kLoad_s;
+    if (held_s < 0) return "0 loading";
+    return held_s < 1 ? "1 first second" : held_s < 5 ? "2 until 5 s" : "3 until 20 s";
   });
 }
 
@@ -125,6 +146,10 @@ Coverage measure_cycle(const Estimator& estimator, const CoverageSetup& setup, c
 
 Coverage measure_histories(const Estimator& estimator, const CoverageSetup& setup, const Done& done) {
   return measure_all(estimator, setup, done, play_history);
+}
+
+Coverage measure_holds(const Estimator& estimator, const CoverageSetup& setup, const Done& done) {
+  return measure_all(estimator, setup, done, play_hold);
 }
 
 }  // namespace lab

@@ -64,6 +64,9 @@ struct CoverageSetup {
 // the others up to 1 mm off it.
 Coverage measure_cycle(const Estimator& estimator, const CoverageSetup& setup, const Done& done = {});
 
+// Contacts of the chain's scene that are loaded to 0.2 … 0.7 of what friction holds, and held for 20 s.
+Coverage measure_holds(const Estimator& estimator, const CoverageSetup& setup, const Done& done = {});
+
 // Random grasps of the chain's scene.
 Coverage measure_histories(const Estimator& estimator, const CoverageSetup& setup, const Done& done = {});
 

@@ -54,6 +54,21 @@ TEST(SigmaOverAGrasp, AGripThatNobodyPullsHasAMargin) {
   }
 }
 
+// In a hold nothing but noise changes: the first seconds are told as well as any frame.
+TEST(SigmaOverAGrasp, OfALoadThatIsHeldHoldsTheTruthForSeconds) {
+  lab::CoverageSetup setup;
+  setup.seed = 7;
+  setup.grasps = 8;
+  setup.rate_hz = 100;
+  const lab::Coverage found =
+      measure_holds({lab::paper_chain(16, MethodChoice::fit, kNoise), nullptr}, setup);
+  ASSERT_EQ(found.by_phase.at("3 until 20 s").frames(), 8 * 1500);
+  for (const char* const phase : {"1 first second", "2 until 5 s"}) {
+    EXPECT_GT(found.by_phase.at(phase).answered(), 0.9) << phase;
+    EXPECT_GT(found.by_phase.at(phase).traced.within(2), 0.9) << phase;
+  }
+}
+
 // A thousand frames of noise, in which |Q|/P falls half of the time, show no friction that fell.
 TEST(SigmaOverAGrasp, OfFewTaxelsIsTrueWhileAGripCloses) {
   lab::CoverageSetup setup;
