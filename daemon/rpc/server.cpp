@@ -240,8 +240,8 @@ void Server::tell_what_reload_changed() {
     gone.alert_cause = told.alert_cause;
     if (std::ranges::find(told_, &told) != told_.end() || told.holds(gone)) continue;
     notify_subscribers(gone, sensor, false, told,
-                       [&](const Subscription& subscription, EventKind kind, std::uint64_t&) {
-                         return subscription.wants(sensor, kind);
+                       [&name = sensor](const Subscription& subscription, EventKind kind, std::uint64_t&) {
+                         return subscription.wants(name, kind);
                        });
   }
 }

@@ -62,7 +62,7 @@ TEST(SigmaOverAGrasp, OfALoadThatIsHeldHoldsTheTruthForSeconds) {
   setup.rate_hz = 100;
   const lab::Coverage found =
       measure_holds({lab::paper_chain(16, MethodChoice::fit, kNoise), nullptr}, setup);
-  ASSERT_EQ(found.by_phase.at("3 until 20 s").frames(), 8 * 1500);
+  ASSERT_NEAR(found.by_phase.at("3 until 20 s").frames(), 8 * 1500, 8);
   for (const char* const phase : {"1 first second", "2 until 5 s"}) {
     EXPECT_GT(found.by_phase.at(phase).answered(), 0.9) << phase;
     EXPECT_GT(found.by_phase.at(phase).traced.within(2), 0.9) << phase;
