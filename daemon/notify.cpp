@@ -63,8 +63,9 @@ std::optional<std::chrono::microseconds> watchdog_timeout() {
 void status(const ServiceContext& context, std::string& last) {
   std::size_t connected = 0;
   std::string absent;
+  const std::int64_t now_ns = Now::read().monotonic_ns;
   for (const auto& status : context.board.sensors) {
-    const std::string trouble = device_trouble(*status, status->facts(), Now::read().monotonic_ns);
+    const std::string trouble = device_trouble(*status, status->facts(), now_ns);
     if (status->link.load(std::memory_order_relaxed) == DeviceLink::open && trouble.empty()) {
       ++connected;
       continue;

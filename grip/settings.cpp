@@ -43,7 +43,7 @@ std::string in_newtons(double value) {
 // What the gripper of a profile cannot do would be ordered, and the law would reckon with it.
 void check_limits(const nlohmann::json& checked, std::vector<Problem>& problems) {
   const auto add = [&](const std::string& where, const std::string& what) {
-    problems.push_back(problem_of(where, checked.at(nlohmann::json::json_pointer(where)), what));
+    problems.push_back(problem_at(where, checked, what));
   };
   try {
     const GripperProfile profile = load_profile(checked.at("gripper").at("profile"));
@@ -81,7 +81,7 @@ Settings settings_of(const nlohmann::json& checked) {
 std::vector<Problem> problems_of(const nlohmann::json& checked) {
   std::vector<Problem> problems;
   const auto add = [&](const std::string& where, const std::string& what) {
-    problems.push_back(problem_of(where, checked.at(nlohmann::json::json_pointer(where)), what));
+    problems.push_back(problem_at(where, checked, what));
   };
   const nlohmann::json& force = checked.at("force");
   for (const char* const key : {"least_n", "firm_n", "close_n"})

@@ -251,6 +251,10 @@ Problem problem_of(std::string pointer, const json& value, std::string what) {
   return {std::move(pointer), shown(value), std::move(what)};
 }
 
+Problem problem_at(const std::string& pointer, const json& document, std::string what) {
+  return problem_of(pointer, document.at(json::json_pointer(pointer)), std::move(what));
+}
+
 std::string Problem::in(const std::string& file) const {
   return plain(file + ": " + (pointer.empty() ? "/" : pointer) + (value.empty() ? "" : " = " + value) + ": " +
                what);

@@ -53,6 +53,9 @@ std::vector<Problem> check(const nlohmann::json& schema, nlohmann::json& value, 
 // A problem found by other means than a schema, in the same form.
 Problem problem_of(std::string pointer, const nlohmann::json& value, std::string what);
 
+// The same of the value at this pointer of a document, which has one there.
+Problem problem_at(const std::string& pointer, const nlohmann::json& document, std::string what);
+
 // The JSON pointer `at`/`key`, with control characters escaped.
 std::string pointer_to(const std::string& at, std::string_view key);
 std::string pointer_to(const std::string& at, std::size_t index);

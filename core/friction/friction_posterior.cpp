@@ -159,7 +159,8 @@ bool FrictionPosterior::conclude() noexcept {
     same_[j] += changed_[j];
   }
   for (CommonError& error : errors_) {
-    for (std::size_t j = 0; j < count && any && error.usual > 0; ++j)
+    const bool used = error.usual > 0;
+    for (std::size_t j = 0; j < count && any && used; ++j)
       if (has_changed_[j]) error.mean[j] = error.weighed ? error.if_changed[j] : error.mean[likeliest];
     error.weighed = false;
   }

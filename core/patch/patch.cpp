@@ -10,6 +10,20 @@
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
+namespace {
+
+// 0 times a value that is no finite number is none either.
+bool all_finite(const Frame& frame) noexcept {
+  float sum = 0;
+  for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
+#pragma omp simd reduction(+ : sum)
+    for (std::size_t i = 0; i < channel.size(); ++i) sum += 0 * channel[i];
+  }
+  return sum == 0;
+}
+
+}  // namespace
+
 PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
     : layout_(layout),
       options_(options),
@@ -31,20 +45,6 @@ PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
   channels_.resize(3 * room);
   dead_.reserve(static_cast<std::size_t>(options.most_dead_share * static_cast<double>(layout.size())) + 1);
 }
-
-namespace {
-
-// 0 times a value that is no finite number is none either.
-bool all_finite(const Frame& frame) noexcept {
-  float sum = 0;
-  for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < channel.size(); ++i) sum += 0 * channel[i];
-  }
-  return sum == 0;
-}
-
-}  // namespace
 
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
   patch_ = {};

@@ -49,7 +49,8 @@ bool send_to_journal(spdlog::level::level_enum level, const LogContext& context,
   return send_datagram(kJournald, entry.bytes(), WhenFull::lose);
 }
 
-// What was lost while journald hung is told once it takes lines again.
+// Lines that journald had no room for are counted, and their number is logged before the next line that it
+// takes.
 void write_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
   static std::atomic<std::uint64_t> lost{0};  // relaxed: an independent count
   if (const std::uint64_t told = lost.load(std::memory_order_relaxed);

@@ -38,8 +38,8 @@ struct Clients {
   std::set<std::shared_ptr<Client>> all;
   // Notifications dropped by clients that are closed.
   std::uint64_t dropped_by_closed = 0;
-  // By the sensors' names, so that subscribers are told after a reload what it changed. Also of those that
-  // are gone.
+  // By sensor name, and kept for sensors that a reload removed: after a reload subscribers get an event for
+  // each state and alert that differs from this.
   std::map<std::string, Told> told;
   // Closes all. Lines that wait are lost.
   void close_all();

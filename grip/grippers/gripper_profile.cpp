@@ -100,7 +100,7 @@ std::optional<double> GripperProfile::least_speed_mm_s() const {
 std::vector<Problem> problems_of_profile(const json& checked) {
   std::vector<Problem> problems;
   const auto add = [&](const std::string& where, const std::string& what) {
-    problems.push_back(problem_of(where, checked.at(json::json_pointer(where)), what));
+    problems.push_back(problem_at(where, checked, what));
   };
   const json &write = checked.at("write"), &read = checked.at("read");
   const auto check_index = [&](const std::string& where, const json& registers) {

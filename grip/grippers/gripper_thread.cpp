@@ -75,22 +75,29 @@ bool GripperThread::is_obeyed(const Command& command) const {
          !gripper_->wants_each();
 }
 
+// Without the lock while the gripper is waited for.
+template <typename Question>
+GripperThread::Answer GripperThread::ask(std::unique_lock<std::mutex>& lock, Question question) {
+  Answer answer;
+  lock.unlock();
+  try {
+    answer.facts = question();
+  } catch (const std::exception& error) {
+    answer.trouble = error.what();
+    answer.stands = dynamic_cast<const GripperFault*>(&error) != nullptr;
+  }
+  lock.lock();
+  return answer;
+}
+
 // Sends what is wanted now. A command that failed is wanted until there is a newer one.
 void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
   const Command command = *std::exchange(wanted_, std::nullopt);
   const bool connected = connected_;
-  lock.unlock();
-  std::optional<GripperFacts> facts;
-  std::string trouble;
-  bool stands = true;
-  try {
+  const auto [facts, trouble, stands] = ask(lock, [&] {
     if (!connected) gripper_->connect();
-    facts = gripper_->obey(command);
-  } catch (const std::exception& error) {
-    trouble = error.what();
-    stands = dynamic_cast<const GripperFault*>(&error) != nullptr;
-  }
-  lock.lock();
+    return gripper_->obey(command);
+  });
   if (facts) obeyed_ = command;
   if (!facts && !wanted_) wanted_ = command;
   if (trouble.empty())
@@ -102,17 +109,7 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
 // What it has lost of the last command is wanted again.
 void GripperThread::look(std::unique_lock<std::mutex>& lock) {
   const Command last = *obeyed_;
-  lock.unlock();
-  std::optional<GripperFacts> facts;
-  std::string trouble;
-  bool stands = true;
-  try {
-    facts = gripper_->look(last);
-  } catch (const std::exception& error) {
-    trouble = error.what();
-    stands = dynamic_cast<const GripperFault*>(&error) != nullptr;
-  }
-  lock.lock();
+  const auto [facts, trouble, stands] = ask(lock, [&] { return std::optional(gripper_->look(last)); });
   if (facts) {
     condition_.facts = *facts;
     return;

@@ -34,6 +34,13 @@ class GripperThread {
 
  private:
   void run();
+  struct Answer {
+    std::optional<GripperFacts> facts;
+    std::string trouble;  // empty: none
+    bool stands = true;   // the connection
+  };
+  template <typename Question>
+  Answer ask(std::unique_lock<std::mutex>& lock, Question question);
   bool is_obeyed(const Command& command) const;
   void attempt(std::unique_lock<std::mutex>& lock);
   void look(std::unique_lock<std::mutex>& lock);

@@ -68,10 +68,9 @@ class LineGripper final : public Gripper {
     if (::send(fd_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT) !=
         static_cast<ssize_t>(line.size()))
       fail("takes no orders: " + why(errno));
-    const GripperFacts facts =
-        facts_of(answer(starts_ ? std::max<Milliseconds>(timeout_, kStart) : timeout_));
+    const std::string said = answer(starts_ ? std::max<Milliseconds>(timeout_, kStart) : timeout_);
     starts_ = false;
-    return facts;
+    return facts_of(said);
   }
 
   bool wants_each() const override { return true; }

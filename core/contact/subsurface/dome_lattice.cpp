@@ -85,9 +85,9 @@ void DomeLattice::evaluate(double x, double center_x_m, double center_y_m, const
   put(d_v_, out.d_v);
 }
 
-void DomeLattice::add_rings(const PerRing& radii, double center_x_m, double center_y_m,
-                            std::span<const double> whole, std::span<const double> field,
-                            RingSums& sums) noexcept {
+RingSums DomeLattice::ring_sums(const PerRing& radii, double center_x_m, double center_y_m,
+                                std::span<const double> whole, std::span<const double> field) noexcept {
+  RingSums sums;
   std::size_t at = 0;
   for (std::size_t height = 0; height < rows_.size(); ++height) {
     const CornerRow& corners = rows_[height];
@@ -96,16 +96,17 @@ void DomeLattice::add_rings(const PerRing& radii, double center_x_m, double cent
     if (height > 0) {
       const TaxelRun& run = squares_[height - 1];
       const std::size_t count = run.end - run.first;
-      contact::add_rings({.below = below_.data() + (run.first - rows_[height - 1].first),
-                          .above = above_.data() + (run.first - corners.first),
-                          .whole = whole.subspan(at, count),
-                          .field = field.subspan(at, count),
-                          .per_area = 1 / (side_m_ * side_m_)},
-                         sums);
+      add_rings({.below = below_.data() + (run.first - rows_[height - 1].first),
+                 .above = above_.data() + (run.first - corners.first),
+                 .whole = whole.subspan(at, count),
+                 .field = field.subspan(at, count),
+                 .per_area = 1 / (side_m_ * side_m_)},
+                sums);
       at += count;
     }
     std::swap(below_, above_);
   }
+  return sums;
 }
 
 // Inclusion and exclusion of each square's four corners.

@@ -38,10 +38,10 @@ class DomeLattice {
   // spans have room for a value of each square. Exact to rounding. x >= 0; lengths in m.
   void evaluate(double x, double center_x_m, double center_y_m, const DomeAverages& out) noexcept;
 
-  // Adds to `sums` what domes of these radii leave of `whole`, which has a value of each square as `field`
-  // has. In single precision: an average is good to 1e-6 x^3/side^2.
-  void add_rings(const PerRing& radii, double center_x_m, double center_y_m, std::span<const double> whole,
-                 std::span<const double> field, RingSums& sums) noexcept;
+  // What domes of these radii leave of `whole`, which has a value of each square as `field` has. In single
+  // precision: an average is good to 1e-6 x^3/side^2.
+  RingSums ring_sums(const PerRing& radii, double center_x_m, double center_y_m,
+                     std::span<const double> whole, std::span<const double> field) noexcept;
 
   std::size_t memory_bytes() const noexcept {
     return sizeof(double) * kLists * u_.size() + sizeof(CornerRow) * rows_.capacity() +

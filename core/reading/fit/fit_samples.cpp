@@ -69,11 +69,8 @@ void TaxelSamples::average(double x, double center_x_m, double center_y_m,
 
 contact::RingSums TaxelSamples::ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
                                           std::span<const double> whole) noexcept {
+  if (lattice_) return lattice_->ring_sums(radii, center_x_m, center_y_m, whole, shear_pa());
   contact::RingSums sums;
-  if (lattice_) {
-    lattice_->add_rings(radii, center_x_m, center_y_m, whole, shear_pa(), sums);
-    return sums;
-  }
   const double side = layout_.side_m(), half = 0.5 * side;
   for (std::size_t i = 0; i < count_; ++i) {
     const std::array u{x_m_[i] - half, x_m_[i] + half, x_m_[i] - half, x_m_[i] + half},

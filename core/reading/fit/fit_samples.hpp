@@ -96,9 +96,7 @@ class BlockSamples final : public FitSamples {
   }
   contact::RingSums ring_sums(const contact::PerRing& radii, double center_x_m, double center_y_m,
                               std::span<const double> whole) noexcept override {
-    contact::RingSums sums;
-    lattice_.add_rings(radii, center_x_m, center_y_m, whole, shear_pa(), sums);
-    return sums;
+    return lattice_.ring_sums(radii, center_x_m, center_y_m, whole, shear_pa());
   }
   std::size_t memory_bytes() const noexcept override {
     return list_bytes() + blocks_.memory_bytes() + lattice_.memory_bytes();

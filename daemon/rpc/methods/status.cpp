@@ -97,10 +97,9 @@ std::string slower_than_frames(const ServiceContext& context, std::size_t sensor
 // Why there is no device, no estimator, no plausible frame, no zero of its own, or fewer measurements than
 // frames; null: there is.
 json trouble(const ServiceContext& context, std::size_t sensor, const DeviceFacts& facts,
-             const Estimate& latest) {
+             const Estimate& latest, std::int64_t now_ns) {
   const SensorStatus& status = *context.board.sensors[sensor];
-  if (const std::string why = device_trouble(status, facts, Now::read().monotonic_ns); !why.empty())
-    return why;
+  if (const std::string why = device_trouble(status, facts, now_ns); !why.empty()) return why;
   if (is_implausible(latest.health)) return describe(latest.health);
   const bool has_zero = !status.bias.needed.load(std::memory_order_relaxed) ||
                         status.bias.report.load().origin != BiasOrigin::none;
@@ -116,9 +115,9 @@ bool receiving(const SensorStatus& status, const Published& published) {
          state != State::stale && state != State::fault;
 }
 
-json sensor_status(const ServiceContext& context, std::size_t sensor) {
+json sensor_status(const ServiceContext& context, std::size_t sensor, std::int64_t now_ns) {
   const SensorStatus& status = *context.board.sensors[sensor];
-  const Published published = as_of(Now::read().monotonic_ns, status);
+  const Published published = as_of(now_ns, status);
   const DeviceFacts facts = status.facts();
   const FrameCounts& counts = published.counts;
   return {
@@ -134,7 +133,7 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
       {"single_frame_error", single_frame_error(context, facts)},
       {"zero", zero_json(status)},
-      {"trouble", trouble(context, sensor, facts, published.estimate)},
+      {"trouble", trouble(context, sensor, facts, published.estimate, now_ns)},
       {"health", to_string(published.estimate.health)},
       {"implausible", implausible_json(status)},
       {"received", counts.received},
@@ -215,7 +214,9 @@ json zero_json(const SensorStatus& status) {
 json status_json(const ServiceContext& context) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - context.started;
   json sensors = json::array();
-  for (std::size_t i = 0; i < context.board.sensors.size(); ++i) sensors.push_back(sensor_status(context, i));
+  const std::int64_t now_ns = Now::read().monotonic_ns;
+  for (std::size_t i = 0; i < context.board.sensors.size(); ++i)
+    sensors.push_back(sensor_status(context, i, now_ns));
   json outputs{{"socket",
                 {{"path", context.settings.socket.path.string()},
                  {"dropped", context.notifications_dropped},
@@ -240,6 +241,7 @@ json status_json(const ServiceContext& context) {
 json sensors_json(const ServiceContext& context) {
   static constexpr const char* kClasses[] = {"array3", "wrench", "normal", "displacement"};
   json sensors = json::array();
+  const std::int64_t now_ns = Now::read().monotonic_ns;
   for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
     const SensorStatus& status = *context.board.sensors[i];
     const DeviceFacts facts = status.facts();
@@ -255,7 +257,7 @@ json sensors_json(const ServiceContext& context) {
          {"method_reason", facts.method_reason.empty() ? json(nullptr) : json(facts.method_reason)},
          {"simulated", status.simulated.load(std::memory_order_relaxed)},
          {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
-         {"receiving", receiving(status, as_of(Now::read().monotonic_ns, status))},
+         {"receiving", receiving(status, as_of(now_ns, status))},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
   }
