@@ -143,7 +143,10 @@ bool FrictionByShape::weigh_torque(const Reading& reading) noexcept {
 }
 
 bool FrictionByShape::compare_margin(const ContactPatch& patch, const Reading& reading) noexcept {
-  const double load = patch.shear_n / patch.normal_n;
+  // All frictions expect their margins of one load: a frame's noise in it would be a larger error of those
+  // that are low, and over a long hold the frictions with the smallest errors would win.
+  const ContactForces& steady = forces_.steady().now();
+  const double load = norm(steady.shear_x_n, steady.shear_y_n) / steady.normal_n;
   if (reading.profile.known) {
     weigh_profile(reading.profile, load);
     return explain(0, reading.sigma < options_.confirming_sigma);

@@ -35,12 +35,13 @@ bool ShearAxis::aim(const ContactPatch& patch, double reaim_ratio) noexcept {
   return turned && was_sure;
 }
 
-SignedLoad FollowedForces::follow(const ContactPatch& patch, const SignedLoad& from) const noexcept {
-  const double least_n = options_.band_share * patch.normal_n;
+SignedLoad FollowedForces::follow(const ContactPatch& patch, const SignedLoad& from) noexcept {
+  steady_.follow(forces_of(patch), patch.normal_sigma_n, patch.shear_sigma_n);
+  const double noise = steady_.noise_share(), least_n = options_.band_share * patch.normal_n;
   const SignedLoad to{
-      .normal_n = drag(from.normal_n, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n),
-      .shear_n = drag(from.shear_n, axis_.along_n(forces_of(patch)),
-                      options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n)};
+      .normal_n = drag(from.normal_n, steady_.now().normal_n, noise * patch.normal_sigma_n + least_n),
+      .shear_n = drag(from.shear_n, axis_.along_n(steady_.now()),
+                      noise * patch.shear_sigma_n + options_.shear_band_share * least_n)};
   if (to.normal_n == from.normal_n && to.shear_n == from.shear_n) return from;
   return {std::max(to.normal_n, least_n), to.shear_n};
 }

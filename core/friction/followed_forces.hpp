@@ -1,9 +1,11 @@
-// The forces of a grasp as the Winkler foundations get them: shear signed along one axis, and noise taken out
-// by a dead band, since a force that only trembles would be a reversal a frame (docs/theory.md §4). Estimate
-// thread; plain state, nothing allocates.
+// The forces of a grasp as the Winkler foundations get them: shear signed along one axis, and noise taken
+// out, since a force that only trembles would be a reversal a frame (docs/theory.md §4): it is averaged while
+// the load is steady, and what is left of it has a dead band. Estimate thread; plain state, nothing
+// allocates.
 #pragma once
 
 #include "core/load/load_path.hpp"
+#include "core/load/steady_load.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -11,12 +13,10 @@ namespace slipd {
 // Sigmas are standard deviations of a force's noise in the same frame. Checked with `slipd-lab histories
 // --grasps 400`.
 struct FollowedForcesOptions {
-  // Half-width of the dead band; sigmas, 0 … 5. Too small: noise is followed as small reversals, which wear
-  // the locked-in traction off. Too large: the foundations lag behind the load.
-  double band_sigmas = 1.5;
-  // Added to it, of the normal force, dimensionless, 1e-4 … 0.05: the band of a sensor without noise. No less
-  // than this is followed, so that the contact stays open while the band is wider than the force. Too small:
-  // rounding is followed. Too large: small changes of load are missed.
+  // Half-width of the dead band of P beyond the noise that is left, of the normal force, dimensionless, 1e-4
+  // … 0.05: the band of a sensor without noise. No less than this is followed, so that the contact stays open
+  // while the band is wider than the force. Too small: rounding is followed. Too large: small changes of load
+  // are missed.
   double band_share = 0.002;
   // The same added to the band of shear, as a share of what is added for the normal force; 0 … 1. Shear is
   // smaller than the normal force: too large, and the band hides what slips.
@@ -63,7 +63,9 @@ class FollowedForces {
 
   // Second call for each frame: where the load goes to that was followed to `from`. A force changes when it
   // leaves its dead band.
-  SignedLoad follow(const ContactPatch& patch, const SignedLoad& from) const noexcept;
+  SignedLoad follow(const ContactPatch& patch, const SignedLoad& from) noexcept;
+  // The load of that frame, without its noise.
+  const SteadyLoad& steady() const noexcept { return steady_; }
 
   // Third call for each frame. True for the one frame, if any, at which it is clear that the grasp began
   // before its first frame.
@@ -74,6 +76,7 @@ class FollowedForces {
  private:
   FollowedForcesOptions options_;
   ShearAxis axis_;
+  SteadyLoad steady_;
   std::uint32_t frames_ = 0;  // of this grasp, up to kSureFrames
   double first_normal_n_ = 0;
 };

@@ -1,0 +1,104 @@
+#include "core/load/steady_load.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/frame/significance.hpp"
+
+namespace slipd {
+namespace {
+
+double square(double x) noexcept {
+  return x * x;
+}
+
+ContactForces operator+(const ContactForces& a, const ContactForces& b) noexcept {
+  return {a.normal_n + b.normal_n, a.shear_x_n + b.shear_x_n, a.shear_y_n + b.shear_y_n};
+}
+
+ContactForces operator*(double factor, const ContactForces& a) noexcept {
+  return {factor * a.normal_n, factor * a.shear_x_n, factor * a.shear_y_n};
+}
+
+ContactForces operator-(const ContactForces& a, const ContactForces& b) noexcept {
+  return a + -1.0 * b;
+}
+
+// The larger of the squares of P and of shear, each over its variance. Nothing without noise is no change.
+double squared_sigmas(const ContactForces& of, double normal_variance, double shear_variance) noexcept {
+  const double normal = square(of.normal_n), shear = square(of.shear_x_n) + square(of.shear_y_n);
+  return std::max(normal > 0 ? normal / normal_variance : 0, shear > 0 ? shear / shear_variance : 0);
+}
+
+}  // namespace
+
+// Least squares. What a load that is held cannot have as a slope would be followed to and fro.
+struct SteadyLoad::Line {
+  double frames = 0, middle = 0;  // how many, and the number of the one in the middle
+  ContactForces mean, slope;      // N, and N a frame; 0 where noise explains it
+  double slope_variance = 0;      // of one frame's
+  ContactForces at(double frame) const noexcept { return mean + (frame - middle) * slope; }
+  double variance_at(double frame) const noexcept {
+    return 1 / frames + square(frame - middle) * slope_variance;
+  }
+};
+
+SteadyLoad::Line SteadyLoad::line_of(const Sums& sums, std::size_t frames) const noexcept {
+  const auto n = static_cast<double>(frames);
+  Line line{.frames = n, .middle = 0.5 * (n + 1), .mean = 1 / n * sums.forces, .slope = {}};
+  if (frames < 2) return line;
+  const double per_square = 12 / (n * (square(n) - 1));
+  const ContactForces slope = per_square * (sums.by_frame - line.middle * sums.forces);
+  const double sigmas2 = squared_sigmas(slope, per_square * normal_variance_, per_square * shear_variance_);
+  if (!(sigmas2 > square(kClearSigmas))) return line;
+  line.slope = slope;
+  line.slope_variance = per_square;
+  return line;
+}
+
+// What came before these frames is forgotten.
+void SteadyLoad::begin_with_latest(std::size_t frames) noexcept {
+  const auto dropped = static_cast<double>(frames_ - frames);
+  const Sums before = sums_before(frames);
+  for (std::size_t i = 0; i <= frames; ++i) {
+    Sums& sums = sums_before(i);
+    sums.forces = sums.forces - before.forces;
+    sums.by_frame = sums.by_frame - before.by_frame - dropped * sums.forces;
+  }
+  frames_ = frames;
+}
+
+void SteadyLoad::follow(const ContactForces& forces, double normal_sigma_n, double shear_sigma_n) noexcept {
+  normal_variance_ = square(normal_sigma_n);
+  shear_variance_ = square(shear_sigma_n);
+  const Sums before = sums_before(0);
+  ++newest_;
+  ++frames_;
+  const auto newest = static_cast<double>(frames_);
+  Sums& sums = sums_before(0);
+  sums = {before.forces + forces, before.by_frame + newest * forces};
+  double most = square(kStandsOutSigmas);
+  std::size_t turned = 0;
+  for (std::size_t latest = 1; latest <= kLongest && latest < frames_; latest *= 2) {
+    const auto n = static_cast<double>(latest);
+    const Sums& earlier = sums_before(latest);
+    const Line line = line_of(earlier, frames_ - latest);
+    const double middle = newest - 0.5 * (n - 1), variance = 1 / n + line.variance_at(middle);
+    const ContactForces off = 1 / n * (sums.forces - earlier.forces) - line.at(middle);
+    const double apart = squared_sigmas(off, variance * normal_variance_, variance * shear_variance_);
+    if (!(apart > most)) continue;
+    most = apart;
+    turned = latest;
+  }
+  if (turned > 0) begin_with_latest(turned);
+  Line line = line_of(sums, frames_);
+  now_ = line.at(static_cast<double>(frames_));
+  if (!(now_.normal_n > 0)) {  // a line that falls runs ahead of a load that does no longer
+    begin_with_latest(1);
+    now_ = forces;
+    line = line_of(sums, 1);
+  }
+  noise_share_ = std::sqrt(line.variance_at(static_cast<double>(frames_)));
+}
+
+}  // namespace slipd
