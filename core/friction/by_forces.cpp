@@ -64,9 +64,11 @@ void FrictionByForces::watch_hook() noexcept {
 
 // Of few taxels: a frame says something of its margin while the load is the highest of the grasp.
 void FrictionByForces::weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept {
-  const double load = patch.shear_n / patch.normal_n;
-  history_.classify(traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n));
+  history_.classify(
+      traction_ratio_.is_highest(patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n));
   if (!is_monotonic(history()) || !reading.in_model) return;
+  // Of the mean load, as FrictionByShape::compare_margin() says.
+  const double load = traction_ratio_.now().mean;
   if (reading.profile.known) {
     weigh_profile(reading.profile, load);
     explain(0, reading.sigma < options_.confirming_sigma);
