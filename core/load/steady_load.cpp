@@ -56,14 +56,18 @@ SteadyLoad::Line SteadyLoad::line_of(const Sums& sums, std::size_t frames) const
   return line;
 }
 
-// What came before these frames is forgotten.
+// What came before these frames is forgotten. (Sums of a long hold are large: what is left of them has no
+// more digits than each frame's forces.)
 void SteadyLoad::begin_with_latest(std::size_t frames) noexcept {
-  const auto dropped = static_cast<double>(frames_ - frames);
-  const Sums before = sums_before(frames);
-  for (std::size_t i = 0; i <= frames; ++i) {
-    Sums& sums = sums_before(i);
-    sums.forces = sums.forces - before.forces;
-    sums.by_frame = sums.by_frame - before.by_frame - dropped * sums.forces;
+  ContactForces last = sums_before(frames).forces;
+  Sums since;
+  sums_before(frames) = since;
+  for (std::size_t i = 1; i <= frames; ++i) {
+    Sums& sums = sums_before(frames - i);
+    const ContactForces forces = sums.forces - last;
+    last = sums.forces;
+    since = {since.forces + forces, since.by_frame + static_cast<double>(i) * forces};
+    sums = since;
   }
   frames_ = frames;
 }

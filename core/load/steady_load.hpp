@@ -24,7 +24,7 @@ class SteadyLoad {
   double noise_share() const noexcept { return noise_share_; }
 
  private:
-  // The longest span that is tested: a turn that takes longer to show is less than noise by then.
+  // The longest span that is tested: a turn that it does not show is less than one frame's noise.
   static constexpr std::size_t kLongest = 32;
   static constexpr std::size_t kKept = 2 * kLongest;  // a power of two
 
@@ -35,7 +35,7 @@ class SteadyLoad {
   struct Line;
   Line line_of(const Sums& sums, std::size_t frames) const noexcept;
   Sums& sums_before(std::size_t frames) noexcept { return sums_[(newest_ - frames) % kKept]; }
-  void begin_with_latest(std::size_t frames) noexcept;
+  void begin_with_latest(std::size_t frames) noexcept;  // at most kLongest
 
   std::size_t frames_ = 0, newest_ = 0;
   std::array<Sums, kKept> sums_{};  // up to the newest frame, and to those before it
