@@ -69,6 +69,23 @@ TEST(SigmaOverAGrasp, OfALoadThatIsHeldHoldsTheTruthForSeconds) {
   }
 }
 
+// A peak of noise is no load that came and went, and thousands of frames alike are no evidence.
+TEST(SigmaOverAGrasp, OfALoadThatIsHeldHoldsTheTruthAtAKilohertzAsWell) {
+  for (const MethodChoice method : {MethodChoice::moments, MethodChoice::fit}) {
+    lab::CoverageSetup setup;
+    setup.seed = 11;
+    setup.grasps = 6;
+    const lab::Coverage found = measure_holds({lab::paper_chain(16, method, kNoise), nullptr}, setup);
+    const lab::CoverageTally& late = found.by_phase.at("3 until 20 s");
+    SCOPED_TRACE(method == MethodChoice::fit ? "fit" : "moments");
+    ASSERT_NEAR(late.frames(), 6 * 15000, 60);
+    EXPECT_GT(late.answered(), 0.9);
+    EXPECT_GT(late.traced.within(2), 0.9);
+    EXPECT_GT(late.traced.within(3), 0.99);
+    EXPECT_LT(late.traced.overestimates(), 0.01 * late.traced.answers());
+  }
+}
+
 // A thousand frames of noise, in which |Q|/P falls half of the time, show no friction that fell.
 TEST(SigmaOverAGrasp, OfFewTaxelsIsTrueWhileAGripCloses) {
   lab::CoverageSetup setup;
