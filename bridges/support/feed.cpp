@@ -11,6 +11,9 @@ namespace {
 
 // Between two attempts while slipd is away.
 constexpr std::chrono::milliseconds kRetry{500};
+// Estimates in a row, before signals, the watchdog and other sockets have their turn: a bridge that is too
+// slow for its sensors would never come to them.
+constexpr int kInARow = 64;
 
 }  // namespace
 
@@ -19,6 +22,7 @@ Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
       listener_(std::move(listener)),
       slipd_(options_.socket),
       timer_(loop, [this] { refresh(); }),
+      rest_(loop, [this] { take_events(); }),
       watch_(loop, slipd_.fd(), EPOLLIN, [this](std::uint32_t) { take_events(); }) {
   timer_.start({});
 }
@@ -76,7 +80,7 @@ void Feed::lose(std::string_view why) {
 
 void Feed::take_events() {
   if (!subscribed_) return;
-  for (;;) {
+  for (int taken = 0; taken < kInARow; ++taken) {
     slipd_estimate estimate;
     const int code = slipd_next(slipd_.get(), options_.max_age_s, 0, &estimate);
     if (code == SLIPD_TIMEOUT) return;
@@ -90,6 +94,7 @@ void Feed::take_events() {
     lose(why);
     return;
   }
+  rest_.start({});
 }
 
 void Feed::take(const slipd_estimate& estimate) {
