@@ -11,8 +11,8 @@ namespace {
 
 // Between two attempts while slipd is away.
 constexpr std::chrono::milliseconds kRetry{500};
-// Estimates in a row, before signals, the watchdog and other sockets have their turn: a bridge that is too
-// slow for its sensors would never come to them.
+// Estimates in a row before signals, the watchdog and other sockets are handled. Without a limit a bridge
+// that is slower than its sensors would never handle them.
 constexpr int kInARow = 64;
 
 }  // namespace

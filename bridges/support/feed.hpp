@@ -80,7 +80,7 @@ class Feed {
   bool subscribed_ = false;
   double subscribed_rate_hz_ = 0;
   Loop::Timer timer_;
-  Loop::Timer rest_;  // of the estimates that have come: they are taken after what else is due
+  Loop::Timer rest_;  // takes the estimates that are left, once other handlers have run
   Loop::Watch watch_;
 };
 

@@ -32,14 +32,11 @@ class SteadyLoad {
   struct Sums {
     ContactForces forces, by_frame;  // of the forces, N, and of the forces times the frame's number
   };
-  struct Line;
-  Line line_of(const Sums& sums, std::size_t frames) const noexcept;
   Sums& sums_before(std::size_t frames) noexcept { return sums_[(newest_ - frames) % kKept]; }
   void begin_with_latest(std::size_t frames) noexcept;  // at most kLongest
 
   std::size_t frames_ = 0, newest_ = 0;
   std::array<Sums, kKept> sums_{};  // up to the newest frame, and to those before it
-  double normal_variance_ = 0, shear_variance_ = 0;
   ContactForces now_;
   double noise_share_ = 1;
 };

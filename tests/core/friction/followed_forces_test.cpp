@@ -50,7 +50,7 @@ TEST(FollowedForces, ALoadThatIsHeldStandsStillWhateverTheNoise) {
   EXPECT_NEAR(load.shear_n, 0.5, 0.5 * kSigmaN);
 }
 
-TEST(FollowedForces, DifferFromTheLoadByNoMoreThanATurnTakesToShow) {
+TEST(FollowedForces, DifferFromALoadThatTurnsByThreeSigmaAtMost) {
   const FollowedForcesOptions options;
   FollowedForces forces(options);
   SignedLoad load;
@@ -59,9 +59,8 @@ TEST(FollowedForces, DifferFromTheLoadByNoMoreThanATurnTakesToShow) {
     const ContactPatch patch = patch_of(normal_n, shear_n);
     forces.aim(patch);
     load = forces.follow(patch, load);
-    EXPECT_LE(std::fabs(load.normal_n - normal_n),
-              kStandsOutSigmas * kSigmaN + options.band_share * normal_n);
-    EXPECT_LE(std::fabs(load.shear_n - shear_n), kStandsOutSigmas * kSigmaN + options.band_share * normal_n);
+    EXPECT_LE(std::fabs(load.normal_n - normal_n), kClearSigmas * kSigmaN + options.band_share * normal_n);
+    EXPECT_LE(std::fabs(load.shear_n - shear_n), kClearSigmas * kSigmaN + options.band_share * normal_n);
   }
 }
 
